@@ -19,9 +19,13 @@ SUMMED = 8
 
 
 def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) -> dict[str, float]:
-    """Return the largest drift from each law that the uncertainty of the states explains.
+    """Return the largest drift from each conservation law that errors of the states explain.
 
-    Drifts are relative to the law's scale; the keys are the names of the laws.
+    The keys are the names of the laws, and drifts are relative to the scale of the law.
+
+    Parameters
+    ----------
+    uncertainty : the largest errors of the motion's states
     """
     moved = list(moved_states(scenario, motion, uncertainty, PLACED))
     allowed = {}
@@ -35,5 +39,5 @@ def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) 
 
 
 def _largest(changes: FloatArray) -> float:
-    """The largest absolute value of numbers (n,), or the largest length of vectors (n, 3)."""
+    """Return the largest absolute value of n numbers, (n,), or length of n vectors, (n, 3)."""
     return float(np.linalg.norm(changes.reshape(len(changes), -1), axis=1).max())

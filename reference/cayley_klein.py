@@ -28,26 +28,26 @@ class CayleyKlein(NamedTuple):
         return (self.A.real, -self.B.imag, self.B.real, self.A.imag)
 
     def rates(self, omega: Vector) -> tuple[mpc, mpc]:
-        """A' and B', 1/s, at an angular velocity in rad/s along the axes of the attitude."""
+        """Return A' and B', 1/s, at an angular velocity, rad/s, along the axes that are turned."""
         W, spin = transverse(omega), mpc(0, omega[2])
         return (spin * self.A - W * self.B) / 2, (mp.conj(W) * self.A - spin * self.B) / 2
 
 
 def of_quaternion(q: Quaternion) -> CayleyKlein:
-    """The Cayley–Klein parameters of a unit quaternion q, w x y z."""
+    """Return the Cayley–Klein parameters of a unit quaternion q, w x y z."""
     return CayleyKlein(mpc(q[0], q[3]), mpc(q[2], -q[1]))
 
 
 def transverse(omega: Vector) -> mpc:
-    """W = ω2 + iω1."""
+    """Return W = ω2 + iω1, which stands for ω across the third axis, rad/s."""
     return mpc(omega[1], omega[0])
 
 
 def with_L_upright(L: Vector) -> CayleyKlein:
-    """The attitude with real A that turns L, given along the body's axes with L3 >= 0, to z.
+    """Return an attitude that turns the angular momentum L to the world's z axis, with real A.
 
-    A B* = (−L1 + iL2)/2|L| and |A|² = (1 + L3/|L|)/2, neither of which is a difference that
-    cancels.
+    L is given along the body's axes, with L3 >= 0. The formulas A B* = (−L1 + iL2)/2|L| and
+    |A|² = (1 + L3/|L|)/2 have no difference that cancels.
     """
     length = mp.sqrt(dot(L, L))
     A = mp.sqrt((1 + L[2] / length) / 2)
@@ -55,6 +55,6 @@ def with_L_upright(L: Vector) -> CayleyKlein:
 
 
 def along(triad: tuple[Vector, Vector, Vector], vector: Vector) -> Vector:
-    """Components of a vector along three unit vectors."""
+    """Return the components of a vector along three unit vectors."""
     x, y, z = (dot(axis, vector) for axis in triad)
     return (x, y, z)

@@ -12,7 +12,7 @@ __all__ = ["ClosedForm", "closed_form"]
 
 
 def closed_form(problem: Problem) -> ClosedForm | None:
-    """The exact motion of a problem, None where no closed form covers it."""
+    """Return the exact motion of a problem in closed form; None if no closed form covers it."""
     symmetric = symmetry_axis(problem) is not None
     if is_free(problem):
         sphere = equal(min(problem.moments), max(problem.moments))

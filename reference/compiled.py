@@ -40,18 +40,18 @@ _I2 = {"free": 2.5, "heavy": 2.0}
 
 
 def is_compiled() -> bool:
-    """Whether the machine code of all kernels is kept already."""
+    """Whether the machine code of all kernels is on disk already."""
     return FOLDER is not None and (FOLDER / COMPLETE).exists()
 
 
 def compile_march() -> None:
-    """Compile the integrator of the ODE: about half of the time that compiling everything takes."""
+    """Compile the kernels of the ODE integrator, which take half of the time of all kernels."""
     for scenario in _scenes():
         solve_ode(scenario, scenario.times)
 
 
 def compile_flow() -> None:
-    """Compile the closed forms, the flow and the integrators of other equations: the rest."""
+    """Compile all other kernels: closed forms, the flow, and integrators of other equations."""
     for scenario in _scenes():
         exact = ExactMotion(scenario).outline(scenario.times)
         flow(scenario, exact, np.zeros(len(exact.t)))
@@ -62,7 +62,7 @@ def compile_flow() -> None:
 
 
 def compile_kernels() -> None:
-    """Call every kernel once, as the solvers do, which compiles it or loads what is kept."""
+    """Call every kernel once, as solvers do, so that numba compiles it or loads it from disk."""
     compile_march()
     compile_flow()
     if FOLDER is not None:

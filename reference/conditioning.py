@@ -41,10 +41,15 @@ Solved = Callable[[Problem], Trajectory]
 
 
 def nudged(problem: Problem, k: int, size: mpf) -> Problem:
-    """The problem with all numbers changed by `size`, relative, with the k-th choice of signs.
+    """Return the problem with all its numbers changed by a relative size, each up or down.
 
     ω is changed relative to its own size or, if that is larger, to the rate of the body's swing,
     √(m g l / I).
+
+    Parameters
+    ----------
+    k : which of the `COUNT` choices of signs to use
+    size : relative change of each number
     """
     with mp.workdps(DIGITS):
         by_moment = {
@@ -79,7 +84,9 @@ def conditioning(
     solved: Solved,
     nudge: Nudge = nudged,
 ) -> Errors:
-    """Return how much a motion changes by one ulp in its start and body, at least one ulp.
+    """Return how much each signal of a motion changes by one ulp in its start and body.
+
+    Each number returned is at least one ulp.
 
     Parameters
     ----------
@@ -103,7 +110,10 @@ def _response(
     nudge: Nudge,
     k: int,
 ) -> Errors:
-    """Return the change of the motion by one ulp, extrapolated from the k-th nudge."""
+    """Return the change of each signal by one ulp, scaled from a larger change of the problem.
+
+    The change is made with the k-th choice of signs; the other parameters are as in `conditioning`.
+    """
     for size in NUDGES:
         apart = errors_between(scenario, solved(nudge(problem, k, mpf(size))), exact_motion)
         if max(apart.omega, apart.attitude) <= LINEAR:

@@ -27,10 +27,10 @@ UP_WORLD = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class InvariantScales:
-    """The sizes, of one scenario, that changes of its conserved quantities are relative to.
+    """The sizes that changes of one scene's conserved quantities are relative to.
 
-    None of the sizes is zero for a scene that moves in that way: each includes what gravity can add
-    to a body that starts at rest.
+    Each size includes what gravity can add to a body that starts at rest, so that a size is zero
+    only if the body cannot move in the corresponding way.
     """
 
     scenario: Scenario
@@ -38,18 +38,18 @@ class InvariantScales:
 
     @cached_property
     def pull(self) -> float:
-        """M g l, the largest torque of gravity, N m; 0 of a free body."""
+        """M g l, the largest torque of gravity, N m; 0 for a free body."""
         return float(gravity_torque_scale(self.problem))
 
     @cached_property
     def rate(self) -> float:
-        """|ω| at t = 0 plus 2√(M g l/I), which a pendulum gains by falling from the top, rad/s."""
+        """|ω| at t = 0, plus 2√(M g l/I) for a pendulum's fall from the top, rad/s."""
         fall = 2 * np.sqrt(self.pull / float(min(self.problem.moments)))
         return float(norm(self.problem.omega_axes)) + float(fall)
 
     @cached_property
     def angular_momentum(self) -> float:
-        """|L| at t = 0, plus 2√(M g l I) for a fall, plus a torque's impulse, kg m²/s."""
+        """|L| at t = 0, plus 2√(M g l I) for a fall, plus the impulse of torques, kg m²/s."""
         fall = 2 * np.sqrt(self.pull * float(max(self.problem.moments)))
         torque = float(norm(self.problem.torque_world) + norm(self.problem.torque_axes))
         impulse = torque * self.duration
@@ -109,11 +109,11 @@ class Law:
     Attributes
     ----------
     name : how results refer to it
-    formula, unit : what it is
+    formula, unit : formula and unit of the quantity
     holds : whether a scene conserves the quantity
     values : the quantity along a trajectory, (n,) or (n, 3)
     scale : the size that its changes are relative to, in its unit
-    title : of its value among the facts of a scene; empty if it is not shown there
+    title : title of the quantity's value among the facts of a scene; empty if it is not shown
     """
 
     name: str
@@ -182,9 +182,9 @@ def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _is_left(law: str) -> Callable[[InvariantScales], bool]:
-    """Return the rule that every effect that turns the body conserves the law.
+    """Return the rule that a law of a given name holds unless an effect breaks it.
 
-    An effect conserves the laws that its `keeps` names: an effect that names none breaks them all.
+    An effect that turns the body breaks all laws that its `keeps` does not name.
     """
     return lambda scene: all(law in TERMS[name].keeps for name in turning(scene.problem))
 
@@ -196,18 +196,21 @@ def _is_heavy(scene: InvariantScales) -> bool:
 
 
 def _is_symmetric(scene: InvariantScales) -> bool:
-    """Whether body and lever are symmetric about one axis and L along it is conserved."""
+    """Whether body and lever are symmetric about an axis, along which L is conserved."""
     return _is_left("L_axial")(scene) and symmetry_axis(scene.problem) is not None
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
-    """Whether no force but gravity acts on the com along the axes along which nothing holds it."""
+    """Whether gravity is the only force on the com along the world's axes that are not held."""
     forces = {effect.name for effect in scene.scenario.acting if effect.is_force}
     return not scene.scenario.constraint.is_pivot and forces <= {"gravity"}
 
 
 def _of_held_point(effect: Effect) -> Law:
-    """The law that the point that a constraint holds keeps its place; it has the effect's name."""
+    """Return the law that the point which a constraint holds keeps its place.
+
+    The law has the name of the effect that is the constraint.
+    """
     return Law(
         name=effect.name,
         formula=effect.place_formula,

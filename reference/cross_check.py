@@ -27,7 +27,13 @@ REACH = 1e3
 
 @dataclass(frozen=True, eq=False)
 class CrossCheck:
-    """A motion, the steps that its integration took, and the relative error of each step."""
+    """A motion that DOP853 has integrated.
+
+    Attributes
+    ----------
+    steps : number of steps taken
+    tolerance : relative error allowed in each step
+    """
 
     trajectory: Trajectory
     steps: int
@@ -35,7 +41,10 @@ class CrossCheck:
 
 
 def times_within_reach(scenario: Scenario, exact: Trajectory) -> FloatArray:
-    """The sample times that the integrator reaches in good time, and the last such time."""
+    """Return the sample times up to which DOP853 takes no more than some seconds.
+
+    If they are not all, the last time that it reaches is added, s.
+    """
     rate = fastest_rate(scenario, exact.omega_body)
     end = REACH / rate if rate else np.inf
     return exact.t if exact.t[-1] <= end else np.append(exact.t[exact.t < end], end)
@@ -136,17 +145,17 @@ def _product(M: list[list[float]], v: list[float]) -> list[float]:
 
 
 def _differences(scenario: Scenario) -> FloatArray:
-    """The inertia tensor less one of its moments times the unit matrix, kg m², (3, 3).
+    """Return the inertia tensor minus one of its diagonal entries times the unit matrix, (3, 3).
 
-    ω × Iω needs no more, as ω × ω = 0, and a rod's spin is then not driven by the rounding error
-    that is left when its two large moments are subtracted.
+    It may replace I in ω × Iω, as ω × ω = 0. A rod's spin is then not driven by the rounding error
+    of the difference of its two large moments. kg m².
     """
     inertia = scenario.inertia
     return np.asarray(inertia - inertia[1, 1] * np.eye(3), dtype=float)
 
 
 def _tolerance(scenario: Scenario) -> float:
-    """Relative error to ask of a step: not below the rounding error of ω' over a radian.
+    """Return the relative error allowed in a step: at least the rounding error of ω' over a radian.
 
     That rounding error is large for a thin body in skew axes, whose I⁻¹ (ω × Iω) is a small
     difference of large numbers.
@@ -156,7 +165,7 @@ def _tolerance(scenario: Scenario) -> float:
 
 
 def _longest_step(scenario: Scenario) -> float:
-    """Longest step, s: the spin decays by a factor e at most, and the body turns by `TURN` at most.
+    """Return the longest step, s, in which the spin decays by a factor e, or the body turns `TURN`.
 
     DOP853 would be stable over six times the decay time, but misjudges its error there. Over a turn
     larger than `TURN` its dense output is of lower order than the step.
@@ -166,7 +175,7 @@ def _longest_step(scenario: Scenario) -> float:
 
 
 def _sizes(scenario: Scenario) -> FloatArray:
-    """Size that a step's absolute error is to be small against, for each entry of the state, SI."""
+    """Return the size of each entry of the state, SI, (13,); a step's errors are relative to it."""
     duration = scenario.window.duration
     pull = np.linalg.norm(scenario.gravity_world)
     speed = np.linalg.norm(scenario.start.omega_body) + 1 / duration

@@ -66,7 +66,7 @@ def two_prod(a: float, b: float) -> DoubleDouble:
 
 @kernel
 def dd_neg(a: DoubleDouble) -> DoubleDouble:
-    """Return -a, exactly."""
+    """Return −a, which is exact."""
     return -a[0], -a[1]
 
 

@@ -1,6 +1,6 @@
 """Numbers with their derivative by one parameter, for the recurrences of a Taylor series.
 
-Run on duals, a recurrence computes the derivative of what it computes, term by term: the
+A recurrence that is run on duals also computes the derivatives of its results, term by term: the
 variational equations of the motion need no derivation of their own (R. E. Wengert, Commun. ACM 7
 (1964) 463). A dual is made of doubles or of double-doubles, a table of duals of two such tables.
 """
@@ -34,7 +34,10 @@ class Dual(NamedTuple):
 
 
 def of_duals(in_double: Any) -> Callable[[Any], Any]:
-    """Decorate a function as the body of `in_double` for a first argument made of duals."""
+    """Decorate a function so that compiled code runs it in place of `in_double` on duals.
+
+    The type of the first argument decides.
+    """
 
     def decorate(in_duals: Any) -> Any:
         FOR_DUALS[in_double] = in_duals

@@ -47,9 +47,14 @@ ByParameter = dict[str, list[Numbers] | Numbers]
 
 
 class BodyChange(NamedTuple):
-    """A change of `[body]`: of its mass, kg, and, in body axes, of Σ m r, kg m, and the lever, m.
+    """A change of the numbers in a scene's table `[body]`.
 
-    The lever is the vector to the com from the point that is held, or from the body's origin.
+    Attributes
+    ----------
+    mass : change of the mass, kg
+    moment_body : change of Σ m r, kg m, body axes
+    lever_body : change of the vector to the com from the point that is held, or from the origin of
+        a free body, m, body axes
     """
 
     mass: mpf
@@ -75,11 +80,12 @@ class EffectTerms:
 
     Attributes
     ----------
-    form : form of its term
-    posed : returns its numbers by the `Problem` attribute that holds them, given the scene and the
-        quaternion from body axes to principal axes
+    form : form of the effect's term
+    posed : returns the effect's numbers by the `Problem` attribute that holds them, given the scene
+        and the quaternion from body axes to principal axes
     turns : whether the effect turns the body of a problem at all
-    constants : by row of the table of constants, for one axis i and the next two j and k
+    constants : returns constants of `taylor_coefficients` by their rows, for one axis i and the
+        next two axes j and k
     keeps : names of the conservation laws that hold although the effect turns the body
     facts : derived numbers of a scene that the effect gives rise to
     parameters : how the numbers in `posed` change by a unit of each parameter of the effect; all
@@ -105,7 +111,7 @@ class EffectTerms:
 
 
 def _lever_body(scenario: Scenario) -> Vector:
-    """Mass times com, kg m, body axes; zero unless the scene has both gravity and a pivot."""
+    """Return mass times com, kg m, body axes; zero unless the scene has gravity and a pivot."""
     if not {"pivot", "gravity"} <= scenario.called_for:
         return ZERO
     x, y, z = scenario.body.com_exact
@@ -252,17 +258,20 @@ TERMS = {
 
 
 def turning(problem: Problem) -> frozenset[str]:
-    """Names of the effects that turn the body: gravity only about a pivot that is not the com."""
+    """Return the names of the effects that turn a problem's body.
+
+    Gravity is among them only if there is a pivot that is not the com.
+    """
     return frozenset(name for name, terms in TERMS.items() if terms.turns(problem))
 
 
 def is_undriven(problem: Problem) -> bool:
-    """Whether at most gravity turns the body."""
+    """Whether no effect but gravity turns the body."""
     return turning(problem) <= {"gravity"}
 
 
 def nutates(problem: Problem) -> bool:
-    """Whether nothing but gravity, on a pivot or a table, turns the body."""
+    """Whether nothing turns the body but gravity and the force of a pivot or a table."""
     return is_undriven(problem) or turning(problem) == {"table"}
 
 

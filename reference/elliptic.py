@@ -1,9 +1,9 @@
 """Elliptic integrals, theta and Jacobi functions in extended precision, at any modulus.
 
-The parameter m = k² and its complement m1 = 1 − m are given both, since neither can be had from
-the other's rounding. Theta functions are summed with the nome q where m <= 1/2 and, by Jacobi's
-imaginary transformation, with q' where m > 1/2: the nome in use never exceeds e^−π, and m1 = 0, the
-separatrix, is a case like any other, q' = 0.
+The parameter m = k² and its complement m1 = 1 − m are both given, since subtracting either from 1
+would lose digits of the other. Theta functions are summed with the nome q where m <= 1/2 and, by
+Jacobi's imaginary transformation, with q' where m > 1/2: the nome in use never exceeds e^−π, and
+m1 = 0, the separatrix, is a case like any other, q' = 0.
 
 Sources: NIST Digital Library of Mathematical Functions (DLMF) chapters 19, 20, 22; D. F. Lawden,
 Elliptic Functions and Applications (1989), chapters 1 and 2.
@@ -59,22 +59,25 @@ class Lattice:
 
     @cached_property
     def scale(self) -> mpf:
-        """x/u, where u is the argument of sn and x that of the series: π/2K or π/2K'."""
+        """x/u, with u the argument of sn and x that of series: π/2K, or π/2K' if `hyperbolic`."""
         return mp.pi / (2 * (self.K1 if self.hyperbolic else self.K))
 
     @property
     def half_period(self) -> mpf:
-        """2K as an x: sn and cn change sign; inf where m1 = 0."""
+        """The half period 2K of sn and cn, as a change of the series' argument x; inf if m1 = 0."""
         return 2 * self.K * self.scale
 
 
 def first_kind(sin_squared: mpf, cos_squared: mpf, m1: mpf) -> mpf:
-    """F(φ | 1 − m1) for φ in [0, π/2], from sin²φ and cos²φ (DLMF 19.25.5, by Carlson's R_F)."""
+    """Return the elliptic integral F(φ | 1 − m1) for φ in [0, π/2], given sin²φ and cos²φ.
+
+    It is computed by Carlson's R_F (DLMF 19.25.5).
+    """
     return mp.sqrt(sin_squared) * mp.elliprf(cos_squared, cos_squared + m1 * sin_squared, 1)
 
 
 class Harmonics(NamedTuple):
-    """Σ a_k f(j_k x), with f and j_k by kind: sin or cos, j_k = 2k + 1 or 2k."""
+    """A series Σ a_k f(j_k x), where the kind says f, sin or cos, and j_k, 2k + 1 or 2k."""
 
     kind: int
     coefficients: tuple[mpf, ...]
@@ -90,7 +93,7 @@ class Theta:
     ----------
     real, imaginary : series of its real and its imaginary part
     hyperbolic : whether the harmonics are sinh and cosh
-    stretch : its series are in stretch · x
+    stretch : factor of x in the argument of the series
     eta : η of the argument x − iη
     """
 
@@ -101,7 +104,7 @@ class Theta:
     eta: mpf
 
     def value_and_slope(self, x: mpf) -> tuple[mpc, mpc]:
-        """The function and its derivative at real x."""
+        """Return the function and its derivative at real x."""
         value, slope = mpc(0), mpc(0)
         for harmonics, unit in ((self.real, mpc(1)), (self.imaginary, mpc(0, 1))):
             f, df = _sum(harmonics, self.stretch * x, self.hyperbolic)
@@ -111,7 +114,9 @@ class Theta:
 
 
 def theta(n: int, lattice: Lattice, y: mpf = 0, doubled: bool = False) -> Theta:
-    """θ_n(π(u − iy)/2K, q) as a function of x = lattice.scale · u (DLMF 20.2.1–4, 20.7.30–33).
+    """Return θ_n(π(u − iy)/2K, q) as a function of x = lattice.scale · u.
+
+    The formulas are DLMF 20.2.1–4 and 20.7.30–33.
 
     Parameters
     ----------
@@ -157,7 +162,7 @@ class Jacobi:
     denominator: Theta
 
     def __call__(self, x: mpf) -> tuple[mpf, mpf, mpf]:
-        """sn, cn, dn at real x."""
+        """Return sn, cn and dn at real x."""
         hyperbolic = self.denominator.hyperbolic
         below, _ = self.denominator.value_and_slope(x)
         sn, cn, dn = (
@@ -168,7 +173,7 @@ class Jacobi:
 
 
 def jacobi(lattice: Lattice) -> Jacobi:
-    """The Jacobi functions, scaled by sn'(0) = cn(0) = dn(0) = 1."""
+    """Return the Jacobi functions of a lattice, scaled by sn'(0) = cn(0) = dn(0) = 1."""
     below = theta(4, lattice)
     at_zero = below.value_and_slope(mpf(0))[0].real
     first, second, third = (theta(n, lattice) for n in (1, 2, 3))
@@ -182,7 +187,7 @@ def jacobi(lattice: Lattice) -> Jacobi:
 
 
 def scaled(harmonics: Harmonics, factor: mpf) -> Harmonics:
-    """A real series with all its coefficients multiplied by a number."""
+    """Return a real series with all its coefficients multiplied by a number."""
     return Harmonics(harmonics.kind, tuple(factor * a for a in harmonics.coefficients))
 
 
@@ -199,12 +204,12 @@ _TRANSFORMED = {1: 1, 2: 4, 3: 3, 4: 2}
 
 
 def _quarter_period(complement: mpf) -> mpf:
-    """The quarter period K = π/2 AGM(1, √(1 − m)), from 1 − m (DLMF 19.8.5)."""
+    """Return the quarter period K = π/2 AGM(1, √(1 − m)), given 1 − m (DLMF 19.8.5)."""
     return mp.pi / (2 * mp.agm(1, mp.sqrt(complement))) if complement else mp.inf
 
 
 def _sum(harmonics: Harmonics, x: mpf, hyperbolic: bool) -> tuple[mpf, mpf]:
-    """The value of a real series at x, and its derivative there."""
+    """Return the value of a real series at x, and its derivative at x."""
     sine: Callable[[mpf], mpf] = mp.sinh if hyperbolic else mp.sin
     cosine: Callable[[mpf], mpf] = mp.cosh if hyperbolic else mp.cos
     kind = harmonics.kind

@@ -13,12 +13,12 @@ TURN = 2 * np.pi
 
 
 def euler_zyz_from_quaternion(q_world_body_wxyz: FloatArray) -> FloatArray:
-    """Angles of attitudes, rad: α and γ in [−π, π], β in [0, π].
+    """Return the Euler angles of attitudes, rad: α and γ in [−π, π], β in [0, π].
 
     With q = (w, x, y, z): tan β/2 = √(x² + y²)/√(w² + z²), tan (α + γ)/2 = z/w and
     tan (α − γ)/2 = −x/y. Arctangents of norms keep every digit near the poles, where an arccosine
     loses half of them. At the poles themselves only α + γ (β = 0) or α − γ (β = π) exists:
-    there γ = 0 and α carries all of it.
+    there γ is set to 0, and α is that sum or difference.
 
     Parameters
     ----------
@@ -44,10 +44,11 @@ def euler_zyz_from_quaternion(q_world_body_wxyz: FloatArray) -> FloatArray:
 
 
 def rates_from_omega_body(angles: FloatArray, omega_body: FloatArray) -> FloatArray:
-    """α̇, β̇, γ̇ in rad/s, (..., 3): the inverse of Fetter & Walecka eq. 29.7.
+    """Return the rates of the Euler angles, α̇, β̇, γ̇, rad/s, (..., 3).
 
-    NaN, all three, where β is exactly 0 or π: there α and γ are not separate angles and β has a
-    corner. Close to the poles the rates carry an error of about ulp(1)/sin β of |ω|.
+    They are the inverse of Fetter & Walecka eq. 29.7. All three are NaN where β is exactly 0 or π:
+    there α and γ are not separate angles, and β as a function of time has a corner. Close to these
+    poles the rates have an error of about ulp(1)/sin β times |ω|.
 
     Parameters
     ----------
@@ -70,5 +71,8 @@ def rates_from_omega_body(angles: FloatArray, omega_body: FloatArray) -> FloatAr
 
 
 def _folded(angle: FloatArray) -> FloatArray:
-    """The angle, rad, plus or minus 2π if it lies outside [−π, π]; otherwise the same bits."""
+    """Return angles, rad, less whole turns, so that they are in [−π, π].
+
+    An angle that is in this range already keeps its bits.
+    """
     return angle - TURN * np.round(angle / TURN)

@@ -87,7 +87,7 @@ def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Ite
 
 
 def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:
-    """Facts that follow from the start alone."""
+    """Yield facts of a heavy symmetric top that follow from its start."""
     threshold = lagrangian.sleeping_threshold(top)
     point, about = ("tip", "com") if top.heave else ("pivot", "pivot")
     yield Fact("I1", float(top.I1), "kg m²", f"moment across the axis, about the {about}")
@@ -105,7 +105,7 @@ def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:
 
 
 def _of_nutation(top: HeavySymmetricTop) -> Iterator[Fact]:
-    """Facts that hold while p_α, p_γ and E' are conserved."""
+    """Yield facts of a top's nutation, which hold if p_α, p_γ and E' are conserved."""
     low, high = (math.degrees(beta) for beta in lagrangian.nutation_bounds(top))
     bottom = math.degrees(lagrangian.steady_angle(top))
     small = lagrangian.small_nutation_frequency(top)
@@ -124,7 +124,7 @@ def _of_nutation(top: HeavySymmetricTop) -> Iterator[Fact]:
 
 
 def _of_a_free_top(problem: Problem) -> Iterator[Fact]:
-    """Regular precession of a symmetric body, Goldstein §5.6."""
+    """Yield facts of the regular precession of a free symmetric body (Goldstein §5.6)."""
     axis = symmetry_axis(problem)
     assert axis is not None
     with mp.workdps(DIGITS):
@@ -144,7 +144,10 @@ def _of_a_free_top(problem: Problem) -> Iterator[Fact]:
 
 
 def _of_a_free_body(problem: Problem) -> Iterator[Fact]:
-    """An asymmetric body, Landau & Lifshitz §37; nothing to say of a sphere."""
+    """Yield facts of a free asymmetric body (Landau & Lifshitz §37).
+
+    There are none of a body at rest, and none of a sphere.
+    """
     moments, omega = problem.moments, problem.omega_axes
     period = stability.tumbling_period(moments, omega)
     if period is None:

@@ -1,4 +1,4 @@
-"""The exact flow of many states at once, each over a time of its own, in plain doubles.
+"""The exact flow of many states at once, each over its own time span, in double precision.
 
 It is integrated by the Taylor series of `taylor_coefficients`, as the exact motion is, but without
 double-doubles: over a radian rounding comes to a few ulp, and an engine's state is no better known.
@@ -29,14 +29,14 @@ MAX_STEPS = 100_000
 
 
 def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajectory:
-    """Return the states to which the exact motion takes given states, each after its own span.
+    """Return the states to which the exact motion takes given states, each after its own time span.
 
     If the body has a pivot, only attitude and angular velocity are read: they determine the rest.
 
     Parameters
     ----------
-    states : n or more states, at any times
-    spans : (n,) s; a negative span leads to an earlier state
+    states : at least n states, of which the first n are used; their times do not matter
+    spans : time spans, s, (n,); a negative span leads to an earlier state
 
     Returns
     -------
@@ -67,7 +67,7 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
 
 @lru_cache(maxsize=RECENT)
 def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
-    """Problem, constants and terms, kept because computing them takes as long as many flows."""
+    """Return a scene's problem, constants and terms; kept, as they take as long as many flows."""
     problem = rotational_problem(scenario)
     terms = terms_of(problem)
     return problem, constants_of(problem)[0], terms._replace(momentum=bool(problem.kept))
@@ -75,7 +75,7 @@ def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
 
 @kernel
 def _advance(series: FloatArray, order: int, h: float) -> None:
-    """Replace order 0 of the series by its sum at a time h, by Horner's rule."""
+    """Replace order 0 of a series, up to an order, by its sum at a time h, by Horner's rule."""
     for i in range(STATE):
         total = 0.0
         for n in range(order, -1, -1):
@@ -93,11 +93,20 @@ def flow_each(
     spans: FloatArray,
     steps: int,
 ) -> int:
-    """Move states (n, STATE) on, each by its own span, in a limited number of steps each.
+    """Replace states by those that follow after a span, for each state its own.
 
-    `momenta` holds for each state the constant angular momentum h of its parts, (n, 3).
+    Parameters
+    ----------
+    constants, inverses, terms : as in `taylor_coefficients.extend`; the row of `constants` for the
+        rotors' angular momentum is overwritten
+    states : the states, (n, STATE), which are overwritten
+    momenta : for each state the constant angular momentum h of the rotors, kg m²/s, (n, 3)
+    spans : time spans, s, (n,)
+    steps : largest number of steps for a state
 
-    Returns how many states, counted from the first, are done.
+    Returns
+    -------
+    The number of states, counted from the first, that were replaced
     """
     series = np.empty((ORDERS[-1] + 1, COLUMNS))
     for k in range(spans.size):

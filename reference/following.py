@@ -39,18 +39,18 @@ STAGE, TURNS = 10, 7
 class Integrator(NamedTuple):
     """A one-step method for q and ω, rad/s, along body axes.
 
-    Whether a code normalises its quaternions makes no difference to the attitudes that they
+    Whether an engine normalises its quaternions makes no difference to the attitudes that they
     represent: q' is linear in q.
 
     Attributes
     ----------
     name : name of the integrator
     a, b : explicit Butcher tableau, (stages, stages) and (stages,)
-    turned_by : whether the attitude is advanced with ω of all stages, or that of the step's start
-        or end alone: `STAGES`, `START` or `END`
+    turned_by : whether the attitude is advanced with ω of all stages, `STAGES`, or only with ω at
+        the step's start, `START`, or at its end, `END`
     is_exponential : whether the attitude is turned by the rotation vector of ω over the step,
         instead of q' being added
-    keeps_length : whether I ω is scaled to the length that it had before the step
+    keeps_length : whether ω is scaled after a step so that I ω keeps its length
     """
 
     name: str
@@ -91,11 +91,12 @@ def follow(
 ) -> FloatArray:
     """Return the states reached from each given state after each of L successive spans.
 
-    The parameters are those of `follow_each`, but for one set of equations.
+    The parameters are those of `follow_each` without the axis of the sets of equations.
 
     Returns
     -------
-    (S, L, 7); nan from the first number on that leaves the range of doubles, or of rates
+    (S, L, 7); for each given state nan from where a number leaves the range of doubles, or ‖ω‖
+    exceeds `fastest`
     """
     of_method = integrator, np.full(1, timestep), fastest
     (ends,) = follow_each([equations], states[None], spans[None], *of_method)
@@ -112,19 +113,21 @@ def follow_each(
 ) -> FloatArray:
     """Return the states reached by each of E sets of equations after each of L successive spans.
 
-    One call takes far less time than a call for each set: what Python does takes longer than most
-    motions.
+    One call takes far less time than a call for each set, since Python's overhead exceeds the time
+    that most motions take.
 
     Parameters
     ----------
     states : q, scalar first, body to world, and ω, rad/s, body axes, (E, S, 7)
     spans : s, (E, S, L)
-    timesteps : s, (E,); each span is a multiple of it; None with `EXACT`, which chooses its own
-    fastest : largest rate that is followed, rad/s: to follow one takes time in proportion
+    timesteps : s, (E,); each span is a multiple of its timestep; None with `EXACT`, which chooses
+        its own
+    fastest : largest ‖ω‖ that is followed, rad/s, as computing takes time in proportion to it
 
     Returns
     -------
-    (E, S, L, 7); nan from the first number on that leaves the range of doubles, or of rates
+    (E, S, L, 7); for each given state nan from where a number leaves the range of doubles, or ‖ω‖
+    exceeds `fastest`
     """
     numbers = np.stack([all_numbers(one) for one in equations])
     timesteps = np.zeros(len(numbers)) if timesteps is None else timesteps
@@ -134,12 +137,12 @@ def follow_each(
 
 
 def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> FloatArray:
-    """Return the rates of change of states.
+    """Return the rates of change of S states by some equations.
 
     Parameters
     ----------
     states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
-    kept : angular momentum of parts in each state, kg m²/s, in place of `equations.kept`, (S, 3)
+    kept : angular momentum of rotors in each state, kg m²/s, in place of `equations.kept`, (S, 3)
 
     Returns
     -------
@@ -152,7 +155,7 @@ def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> Fl
 
 @called
 def _fill_rates(e: FloatArray, states: FloatArray, kept: FloatArray, made: FloatArray) -> None:
-    """Fill in the rates at all states, with the angular momentum of parts in each state."""
+    """Write the rates at all states into `made`; the arrays are those of `rates`."""
     for s in range(states.shape[0]):
         put(vector(kept[s], 0), e, KEPT)
         turned, accelerated = rates_of(e, states[s])
@@ -162,7 +165,7 @@ def _fill_rates(e: FloatArray, states: FloatArray, kept: FloatArray, made: Float
 
 @kernel
 def _add_product(q: FloatArray, h: float, v: Vector, to: FloatArray) -> None:
-    """Add h/2 times the product of q and a vector along body axes to a quaternion."""
+    """Add h/2 times the product q (0, v) to the quaternion `to`; v is along body axes."""
     w, x, y, z = q[0], q[1], q[2], q[3]
     to[0] -= h / 2 * (x * v[0] + y * v[1] + z * v[2])
     to[1] += h / 2 * (w * v[0] + y * v[2] - z * v[1])
@@ -172,14 +175,14 @@ def _add_product(q: FloatArray, h: float, v: Vector, to: FloatArray) -> None:
 
 @kernel
 def _size(e: FloatArray, y: FloatArray) -> float:
-    """Return the length of I ω, kg m²/s."""
+    """Return the length of I ω at the state y, kg m²/s."""
     L = by_tensor(e, INERTIA, rotation_of(y), vector(y, 4))
     return math.sqrt(dot(L, L))
 
 
 @called
 def _fill_stage(e: FloatArray, y: FloatArray, stage: FloatArray) -> None:
-    """Fill in a stage, the derivatives at the state y."""
+    """Write a stage of a Runge-Kutta step, the derivatives at the state y, into `stage`."""
     turned, accelerated = rates_of(e, y)
     stage[:4] = 0.0
     _add_product(y, 1.0, turned, stage)
@@ -200,7 +203,11 @@ def _step(
     k: FloatArray,
     at: FloatArray,
 ) -> None:
-    """Take a step from the state y; k and at are workspace for stages and a state."""
+    """Replace the state y by that after a step of length h.
+
+    The numbers from `a` to `keeps_length` are those of an `Integrator`; k and at are workspace for
+    the stages and for a state.
+    """
     for n in range(b.size):
         for i in range(7):
             at[i] = y[i]

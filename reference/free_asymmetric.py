@@ -49,7 +49,7 @@ class JacobiMotion:
     Attributes
     ----------
     moments : I1, I2, I3, kg m²
-    amplitudes : s a1, a2, a3 factors of cn, sn and dn, rad/s
+    amplitudes : s a1, a2, a3: the factors of cn, sn and dn, rad/s
     p : du/dt, rad/s
     lattice : periods of the elliptic functions of parameter m
     sin_squared, cos_squared : sn² and cn² at t = 0
@@ -77,7 +77,7 @@ class JacobiMotion:
 
 
 def free_asymmetric(problem: Problem) -> ClosedForm:
-    """The motion of a free body with three distinct moments.
+    """Return the motion of a free body with three distinct moments.
 
     Raises
     ------
@@ -99,7 +99,10 @@ def free_asymmetric(problem: Problem) -> ClosedForm:
 
 
 def _triad(problem: Problem) -> tuple[tuple[Vector, Vector, Vector], mpf]:
-    """Return unit vectors e1, e2, e3 along the principal axes, and |D| = |L² − 2 E I2|."""
+    """Return e1, e2, e3, the axes defined above, in principal components, and |D|.
+
+    D = L² − 2 E I2 decides which principal axis is e3.
+    """
     moments, omega = problem.moments, problem.omega_axes
     low, middle, high = sorted(range(3), key=lambda k: moments[k])
     above = moments[high] * (moments[high] - moments[middle]) * omega[high] ** 2
@@ -117,9 +120,10 @@ def _directed(axis: int, forward: bool) -> Vector:
 
 
 def _jacobi_motion(moments: Vector, omega: Vector, D: mpf) -> JacobiMotion:
-    """Return the constants of ω(t), with |L² − 2 E I_k| for k = 1, 3 as sums of squares.
+    """Return the constants of ω(t), given moments, ω at t = 0 and |D|, along e1, e2, e3.
 
-    Products of the amplitudes and moments as in Landau & Lifshitz §37, eq. 37.8–10.
+    The formulas are those of Landau & Lifshitz §37, eq. 37.8–10. |L² − 2 E I_k| for k = 1, 3 is
+    computed as a sum of squares, which loses no digits.
     """
     I1, I2, I3 = moments
     w1, w2, w3 = omega
@@ -166,10 +170,13 @@ def _closed_form(
 def _attitude(
     body: JacobiMotion, clock: Clock, functions: Jacobi, start: CayleyKlein, omega: Vector
 ) -> tuple[Quotient, Quotient, mpf]:
-    """Return A and B as quotients, and the relative residual of both."""
+    """Return A and B as quotients of theta functions, and the sum of their relative residuals."""
 
     def at(x: mpf) -> tuple[CayleyKlein, tuple[mpc, mpc]]:
-        """A and B where L points along z, up to their phases, and A' and B' with those phases."""
+        """Return A and B at an argument x up to their phases, and A' and B' with these phases.
+
+        They are of the attitude that turns L to z with real A.
+        """
         sn, cn, dn = functions(x)
         (a1, a2, a3), (I1, I2, I3) = body.amplitudes, body.moments
         w = (a1 * cn, a2 * sn, a3 * dn)
@@ -194,7 +201,9 @@ def _attitude(
 
 
 def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
-    """Return the imaginary parts of u at which A and B vanish, where L3 = −|L| and L3 = |L|.
+    """Return the imaginary parts y of u at which A and B vanish.
+
+    A vanishes where L3 = −|L|, and B where L3 = |L|.
 
     I3 a3 dn(iy) = |L| c dn(iy), c = I3 a3/|L|, and dn(iy|m) = dn/cn(y|m1) (DLMF 22.6.12) give
     tan² am y = (1 − c²)/m c² for B; A has its zero at 2K' less.
@@ -208,7 +217,7 @@ def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
 
 
 def _angular_velocity(body: JacobiMotion, functions: Jacobi) -> tuple[Quotient, Quotient]:
-    """Return W = ω2 + iω1 and ω3 as quotients."""
+    """Return W = ω2 + iω1 and ω3 as quotients of theta functions."""
     a1, a2, a3 = body.amplitudes
     W = over_theta4(scaled(functions.sn, a2), scaled(functions.cn, a1), SIGN_CHANGE)
     return W, over_theta4(scaled(functions.dn, a3), NOTHING, mpf(0))

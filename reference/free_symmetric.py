@@ -23,15 +23,15 @@ from .theta_quotients import ClosedForm, Frames
 
 
 def free_symmetric(problem: Problem) -> ClosedForm:
-    """The motion of a free body with two or three equal moments.
+    """Return the motion of a free body with two or three equal moments.
 
-    Precession about L at |L|/I1, spin about the axis e3 at γ' = ω3 (1 − I3/I1):
+    It precesses about L at |L|/I1 and spins about the axis e3 at γ' = ω3 (1 − I3/I1):
     q(t) = exp(L t/2 I1) q(0) exp(e3 γ' t/2).
 
     Raises
     ------
     ValueError
-        If a torque acts or the moments are distinct.
+        If a torque acts or all moments are distinct.
     """
     axis = symmetry_axis(problem)
     sphere = equal(min(problem.moments), max(problem.moments))

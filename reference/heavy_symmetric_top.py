@@ -100,9 +100,10 @@ class HeavySymmetricTop:
 
 
 def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
-    """Return the top of a problem at t = 0, on a pivot or a level table; None if it is no such top.
+    """Return the heavy symmetric top that a problem is at t = 0; None if it is no such top.
 
-    Other effects are not looked at: with them the "constants" hold at t = 0 only.
+    The top is on a pivot, or on a table with gravity along the vertical. Effects other than gravity
+    are ignored: if there are any, the "constants" of motion hold at t = 0 only.
     """
     axis = symmetry_axis(problem)
     with mp.workdps(DIGITS):
@@ -129,9 +130,9 @@ def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
 def effective_potential(top: HeavySymmetricTop, beta: FloatArray) -> FloatArray:
     """Return V_eff, J, at angles β in rad, in [0, π].
 
-    (p_α − p_γ cos β)/sin β is summed as ½ (p_α − p_γ) cot β/2 + ½ (p_α + p_γ) tan β/2: neither term
-    cancels, and a term whose momentum is zero has no pole. Elsewhere V_eff is infinite
-    at the pole.
+    (p_α − p_γ cos β)/sin β is summed as ½ (p_α − p_γ) cot β/2 + ½ (p_α + p_γ) tan β/2: no digits
+    cancel in either term, and a term whose factor p_α ∓ p_γ is zero has no pole. Otherwise V_eff is
+    infinite at the pole, β = 0 or π.
     """
     beta = np.asarray(beta, dtype=float)
     with mp.workdps(DIGITS):
@@ -147,9 +148,9 @@ def effective_potential(top: HeavySymmetricTop, beta: FloatArray) -> FloatArray:
 
 
 def nutation_bounds(top: HeavySymmetricTop) -> tuple[float, float]:
-    """Smallest and largest β, rad, that the top's E', p_α and p_γ allow.
+    """Return the smallest and the largest β, rad, that the top's E', p_α and p_γ allow.
 
-    If the top sleeps unstably, the larger β is the one that the smallest push would lead to.
+    If the top sleeps unstably, the largest β is the one that the smallest push would lead to.
     """
     with mp.workdps(ROOT_DIGITS):
         u1, u2, _ = top.roots
@@ -158,10 +159,11 @@ def nutation_bounds(top: HeavySymmetricTop) -> tuple[float, float]:
 
 @lru_cache(maxsize=RECENT_TOPS)
 def nutation_period(top: HeavySymmetricTop) -> float:
-    """The period of cos β, s: on a pivot 2K/p with p² = κ(u3 − u1)/2 I1; inf on a separatrix.
+    """Return the period of cos β, s: on a pivot 2K/p with p² = κ(u3 − u1)/2 I1.
 
-    By Carlson's R_F, which is homogeneous: 2 √(2 I1/κ) R_F(0, u3 − u2, u3 − u1) (DLMF 19.25.1).
-    For steady precession, the period of small nutations about it.
+    It is computed by Carlson's R_F, which is homogeneous: 2 √(2 I1/κ) R_F(0, u3 − u2, u3 − u1)
+    (DLMF 19.25.1). On a separatrix it is inf; for steady precession it is the period of small
+    nutations about the steady motion.
     """
     with mp.workdps(ROOT_DIGITS):
         u1, u2, u3 = top.roots
@@ -174,7 +176,9 @@ def nutation_period(top: HeavySymmetricTop) -> float:
 
 @lru_cache(maxsize=RECENT_TOPS)
 def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
-    """α̇ averaged over a nutation, rad/s; None where the axis comes to the vertical.
+    """Return α̇ averaged over a nutation, rad/s.
+
+    It is None if the axis reaches the vertical, or if the nutation never ends.
 
     α̇ = [(p_α − p_γ)/(1 − u) + (p_α + p_γ)/(1 + u)]/2 I1; on a pivot u = u1 + (u2 − u1) sn², and
     each term's mean is Π(n|m)/K(m) times its value at u1 (DLMF 19.2.7).
@@ -196,10 +200,11 @@ def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
 
 
 def steady_precession_rates(top: HeavySymmetricTop, cos_beta: mpf) -> tuple[float, ...]:
-    """Rates at which the top, with its p_γ, precesses steadily at an angle; slow first, rad/s.
+    """Return the rates Ω at which a top with this p_γ precesses steadily at an angle, rad/s.
 
-    The roots of I1 cos β Ω² − p_γ Ω + κ = 0 (Goldstein §5.7; Klein & Sommerfeld, Theory of the
-    Top, ch. V). Real where p_γ² ≥ 4 κ I1 cos β: none, one or two.
+    They are the roots of I1 cos β Ω² − p_γ Ω + κ = 0 (Goldstein §5.7; Klein & Sommerfeld, Theory of
+    the Top, ch. V), the slow one first. There are none, one or two; they are real where
+    p_γ² ≥ 4 κ I1 cos β.
     """
     with mp.workdps(DIGITS):
         lead = top.I1 * cos_beta
@@ -216,27 +221,28 @@ def steady_precession_rates(top: HeavySymmetricTop, cos_beta: mpf) -> tuple[floa
 
 
 def sleeping_threshold(top: HeavySymmetricTop) -> float:
-    """The least |p_γ| that keeps the top upright, kg m²/s: √(4 κ I1) (Arnold §31)."""
+    """Return the least |p_γ| that keeps the top upright, kg m²/s: √(4 κ I1) (Arnold §31)."""
     with mp.workdps(DIGITS):
         return float(mp.sqrt(4 * top.kappa * top.I1))
 
 
 def steady_angle(top: HeavySymmetricTop) -> float:
-    """The angle β at the bottom of V_eff, rad, where this p_α and p_γ would precess steadily.
+    """Return the angle β at the minimum of V_eff, rad.
 
-    The stationary points solve (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)² between the turning
-    points, where they enclose one sign change.
+    A top with the same p_α and p_γ would precess steadily at this angle. It solves
+    (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)², whose two sides differ by opposite signs at the
+    turning points.
     """
     with mp.workdps(ROOT_DIGITS):
         return float(mp.acos(_at_most_one(_bottom(top))))
 
 
 def small_nutation_frequency(top: HeavySymmetricTop) -> float:
-    """Angular frequency of small oscillations of cos β about the bottom of V_eff, rad/s.
+    """Return the angular frequency of small oscillations of cos β about V_eff's minimum, rad/s.
 
-    ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β with the Ω of steady precession there,
-    where V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff); on a table, divided by
-    1 + ε sin²β.
+    ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β, where Ω is the rate of steady precession
+    at the minimum, and V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff). On a table it
+    is divided by 1 + ε sin²β.
     """
     with mp.workdps(ROOT_DIGITS):
         u = _bottom(top)
@@ -248,7 +254,7 @@ def small_nutation_frequency(top: HeavySymmetricTop) -> float:
 
 
 def _over_a_nutation(top: HeavySymmetricTop, rate: Callable[[mpf], mpf]) -> mpf:
-    """∫ rate(u) dt over one period of the nutation of a top on a table.
+    """Return ∫ rate(u) dt over one period of the nutation of a top on a table.
 
     With u = u1 + (u2 − u1) sin²φ the integrand is smooth, dt = √(2 I1/κ) √((1 + ε (1 − u²))/(u3 −
     u)) dφ, and a nutation is φ from 0 to π.
@@ -265,11 +271,11 @@ def _over_a_nutation(top: HeavySymmetricTop, rate: Callable[[mpf], mpf]) -> mpf:
 
 
 def _bottom(top: HeavySymmetricTop) -> mpf:
-    """cos β at the minimum of V_eff between the turning points, by bisection."""
+    """Return cos β at the minimum of V_eff between the turning points, by bisection."""
     u1, u2, _ = top.roots
 
     def slope(u: mpf) -> mpf:
-        """(1 − u²)² I1 times dV_eff/du: negative below the minimum, positive above."""
+        """Return (1 − u²)² I1 dV_eff/du: negative below the minimum, positive above it."""
         pull = top.kappa * top.I1 * (1 - u * u) ** 2
         return pull - (top.p_alpha - top.p_gamma * u) * (top.p_gamma - top.p_alpha * u)
 

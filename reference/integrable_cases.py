@@ -37,12 +37,15 @@ Frame = tuple[Vector, Vector, Vector]
 
 
 def kovalevskaya_frame(problem: Problem) -> Frame | None:
-    """Return e1, e2, e3 in principal components; None if the top is not Kovalevskaya's."""
+    """Return e1, e2, e3, as defined above, in principal components; None for any other top."""
     return _equatorial_frame(problem, KOVALEVSKAYA_RATIO)
 
 
 def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
-    """Return e1, e2, e3 in principal components; None for any other top, or if L·ĝ ≠ 0 at t = 0."""
+    """Return e1, e2, e3 of a Goryachev–Chaplygin top, in principal components.
+
+    It is None for any other top, and if L·ĝ is not 0 at t = 0.
+    """
     frame = _equatorial_frame(problem, GORYACHEV_CHAPLYGIN_RATIO)
     if frame is None:
         return None
@@ -53,7 +56,7 @@ def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
 
 
 def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
-    """Kovalevskaya's constant along a trajectory, rad⁴/s⁴, (n,)."""
+    """Return Kovalevskaya's constant along a trajectory, rad⁴/s⁴, (n,)."""
     omega, gamma = _along(problem, frame, motion)
     spin = (omega[:, 0] + 1j * omega[:, 1]) ** 2
     weight = pull_over_third_moment(problem, frame) * (gamma[:, 0] + 1j * gamma[:, 1])
@@ -61,7 +64,7 @@ def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArr
 
 
 def goryachev_chaplygin(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
-    """Goryachev and Chaplygin's constant along a trajectory, rad³/s³, (n,)."""
+    """Return Goryachev and Chaplygin's constant along a trajectory, rad³/s³, (n,)."""
     omega, gamma = _along(problem, frame, motion)
     weight = pull_over_third_moment(problem, frame)
     across = omega[:, 0] ** 2 + omega[:, 1] ** 2
@@ -69,13 +72,13 @@ def goryachev_chaplygin(problem: Problem, frame: Frame, motion: Trajectory) -> F
 
 
 def pull_over_third_moment(problem: Problem, frame: Frame) -> float:
-    """c/I3 = M g l/I3, s⁻²."""
+    """Return M g l/I3, the factor c/I3 in both constants of motion, s⁻²."""
     with mp.workdps(DIGITS):
         return float(gravity_torque_scale(problem) / moment_about(problem, frame[2]))
 
 
 def _along(problem: Problem, frame: Frame, motion: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """ω, rad/s, and the upward vertical, both along e1, e2, e3, (n, 3) each."""
+    """Return ω, rad/s, and the upward vertical along a motion, in e1, e2, e3, (n, 3) each."""
     frame_body = np.array([to_body(problem, axis) for axis in frame], dtype=float)
     up_body = motion.R_world_body.inv().apply(up_world(problem))
     return motion.omega_body @ frame_body.T, up_body @ frame_body.T

@@ -17,7 +17,7 @@ from .rotational_problem import rotational_problem
 
 @dataclass(frozen=True, eq=False)
 class Invariant:
-    """A conservation law that holds for one scene."""
+    """A conservation law together with a scene for which it holds."""
 
     law: Law
     scene: InvariantScales
@@ -28,13 +28,14 @@ class Invariant:
         return self.law.name
 
     def values(self, motion: Trajectory) -> FloatArray:
-        """The quantity at every sample, (n,) or (n, 3), in the law's unit."""
+        """Return the conserved quantity at each sample, in the law's unit, (n,) or (n, 3)."""
         return self.law.values(self.scene, motion)
 
     def drift_series(self, motion: Trajectory) -> FloatArray:
-        """|Q(t) − Q(0)| over the law's scale, (n,); if the scale is zero, 0 or inf.
+        """Return |Q(t) − Q(0)| relative to the law's scale at each sample, (n,).
 
-        It is inf, too, where a run has blown up so far that a term or square exceeds the doubles.
+        If the scale is zero, it is 0 where Q has not changed and inf elsewhere. It is also inf
+        where a run has blown up so far that a term or its square overflows.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             values = self.values(motion).reshape(len(motion.t), -1)
@@ -44,7 +45,7 @@ class Invariant:
         return change / scale if scale > 0 else np.where(change == 0, 0.0, np.inf)
 
     def drift(self, motion: Trajectory) -> float:
-        """The largest value of `drift_series`."""
+        """Return the largest value of `drift_series` along a motion."""
         return float(self.drift_series(motion).max())
 
 
@@ -56,5 +57,5 @@ def invariants(scenario: Scenario) -> tuple[Invariant, ...]:
 
 
 def drifts(scenario: Scenario, motion: Trajectory) -> dict[str, float]:
-    """Return the largest relative drift of a motion from each law of its scene, by law."""
+    """Return the largest relative drift of a motion from each law of its scene, by law's name."""
     return {invariant.name: invariant.drift(motion) for invariant in invariants(scenario)}

@@ -30,7 +30,7 @@ _MARKS = (b"from .kernel", b"from .doubledouble")
 
 
 def digest_of_kernels(package: Path) -> str:
-    """Return a digest of all sources in a folder that may hold kernels."""
+    """Return a digest, 16 hexadecimal digits, of all sources in a folder that may have kernels."""
     digest = sha256()
     for path in sorted(package.glob("*.py")):
         source = path.read_bytes()
@@ -40,7 +40,10 @@ def digest_of_kernels(package: Path) -> str:
 
 
 def _folder() -> Path | None:
-    """Return the first folder that only this user can write to, beside the sources or at home."""
+    """Return a folder for machine code that only this user can write to; None if there is none.
+
+    It is beside the sources if possible, else in the user's home.
+    """
     places = [Path(config.CACHE_DIR or _PACKAGE / "__pycache__")]
     # Not every user has a home.
     with suppress(RuntimeError):
@@ -63,8 +66,8 @@ FOLDER = _folder()
 def kernel(function: Callable[P, T], *, is_inlined: bool = True) -> Callable[P, T]:
     """Return a function that numba compiles at its first call, and inlines into compiled callers.
 
-    Kernels pass tables and pairs, many words each, to short operations: without inlining a
-    quarter more time goes by. Never ``fastmath``, which would cancel the error terms of pairs.
+    Kernels pass arrays and pairs of floats to short operations: without inlining they take a
+    quarter more time. ``fastmath`` is never used, as it would cancel the error terms of pairs.
     """
     if FOLDER is None:
         uncached: Callable[P, T] = njit(forceinline=is_inlined)(function)

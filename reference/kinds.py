@@ -16,7 +16,10 @@ KINDS = (
 
 
 def kind_of(scenario: Scenario) -> str:
-    """Return the kind: free if no torque turns the body, heavy if gravity alone does."""
+    """Return the kind of a scene's motion, one of `KINDS`.
+
+    It is free if no torque turns the body, and heavy if only gravity does.
+    """
     problem = rotational_problem(scenario)
     if not is_undriven(problem):
         return "with other effects"

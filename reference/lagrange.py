@@ -42,9 +42,9 @@ LogRate = Callable[[mpf], mpc]
 
 
 def lagrange(problem: Problem) -> ClosedForm:
-    """The motion of a symmetric body with the fixed point on its axis, under gravity alone.
+    """Return the motion of a symmetric body with the fixed point on its axis, under gravity alone.
 
-    The axis may be any principal axis, in either sense, and any direction in a sphere.
+    The axis may be any principal axis, in either direction; in a sphere it may be any direction.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
 
 
 def _upright(up: Vector) -> Quaternion:
-    """Return the quaternion that takes the unit vector `up` to z, exactly 1 if it is z already."""
+    """Return a quaternion that turns the unit vector `up` to z; exactly 1 if `up` is z."""
     x, y, z = up
     if z < 0:
         return product(_upright((x, -y, -z)), (mpf(0), mpf(1), mpf(0), mpf(0)))
@@ -87,7 +87,7 @@ def _upright(up: Vector) -> Quaternion:
 
 
 def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
-    """Return the attitude of the top's frame in the upright frame, of unit norm as computed."""
+    """Return the attitude of the top's frame in the upright frame at t = 0, normalised."""
     q = product(product(conjugate(frames.q_left), problem.q_world_axes), conjugate(frames.q_right))
     length = mp.sqrt(mp.fsum(c * c for c in q))
     w, x, y, z = (c / length for c in q)
@@ -95,7 +95,13 @@ def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
 
 
 def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
-    """Whether the axis points along the vertical and stays there: the top sleeps or is at rest."""
+    """Whether the axis points along the vertical and stays there: the top sleeps or is at rest.
+
+    Parameters
+    ----------
+    start, omega : attitude, and ω along the top's frame, rad/s, at t = 0
+    rate : √(κ/I1), rad/s, which ω across the axis is small against
+    """
     near = min(abs(start.A), abs(start.B))
     return equal(near, 0, 1) and equal(abs(transverse(omega)), 0, rate + abs(omega[2]))
 
@@ -103,7 +109,7 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
 def _steady(
     frames: Frames, start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> ClosedForm:
-    """Return steady precession: A and B have constant sizes and phases of constant rates."""
+    """Return steady precession, in which |A| and |B| and the rates of their phases are constant."""
     delta, spin = constants_of_motion.delta, omega[2] - constants_of_motion.d
     above, below = (2 - delta, delta) if constants_of_motion.pole > 0 else (delta, 2 - delta)
     rates = (
@@ -145,7 +151,10 @@ def _swinging(
 def _starts(
     start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> tuple[InitialValue, InitialValue, InitialValue]:
-    """Return A, B and W at t = 0 and their derivatives; W' = i (ω3 − d) W + b A B* (Euler)."""
+    """Return A, B and W at t = 0, with their derivatives.
+
+    That of W follows from Euler's equations: W' = i (ω3 − d) W + b A B*.
+    """
     W = transverse(omega)
     W_rate = mpc(
         0, omega[2] - constants_of_motion.d
@@ -155,11 +164,11 @@ def _starts(
 
 
 def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
-    """Return the numerators of A, B and W: θ1 or θ2, shifted by Im u at their zero.
+    """Return the numerators of A, B and W: θ1 or θ2 of an argument shifted to their zero.
 
-    u = −1 at u = iy with sc²(y|m1) = (1 + u1)/(u2 − u1); u = 1 and u = U at K + iy with
-    nd²(y|m1) = (1 − u1)/(u2 − u1), (U − u1)/(u2 − u1). An amplitude's sine and cosine follow.
-    On the separatrix θ2 is constant, wherever its zero.
+    The height is −1 at the argument iy with sc²(y|m1) = (1 + u1)/(u2 − u1); it is 1, or U, at
+    K + iy with nd²(y|m1) = (1 − u1)/(u2 − u1), or (U − u1)/(u2 − u1). These give the sine and
+    cosine of the amplitude of y. On the separatrix θ2 is constant, wherever its zero is.
     """
     lattice, below, above = swing.lattice, swing.below, swing.above
     y_A = first_kind(above[0] / above[1], swing.u21 / above[1], lattice.m)
@@ -176,24 +185,32 @@ def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta,
 
 
 def _zero_beyond(to_u2: mpf, to_u3: mpf, swing: Nutation) -> mpf:
-    """Return y of the height u between u2 and u3 that has the distances u − u2 and u3 − u."""
+    """Return y of the argument K + iy at which the height has a value u between u2 and u3.
+
+    Parameters
+    ----------
+    to_u2, to_u3 : the distances u − u2 and u3 − u
+    """
     whole = (to_u2 + swing.u21) * swing.u32
     return first_kind(to_u2 * swing.u31 / whole, to_u3 * swing.u21 / whole, swing.lattice.m)
 
 
 def _sign(value: mpf) -> int:
-    """Return the sign of a number, 1 or −1; for zero, where either would be right, 1."""
+    """Return the sign of a number, 1 or −1; 1 for zero, where both signs would be right."""
     return -1 if value < 0 else 1
 
 
 def _log_rates(
     omega: Vector, constants_of_motion: Constants, swing: Nutation
 ) -> tuple[LogRate, LogRate, LogRate]:
-    """Return A'/A, B'/B and W'/W, 1/s, as functions of x, from u, u̇ and the constants."""
+    """Return A'/A, B'/B and W'/W, 1/s, as functions of the argument x of the theta functions.
+
+    They follow from u, u̇ and the constants of motion.
+    """
     functions, spin = jacobi(swing.lattice), omega[2] - constants_of_motion.d
 
     def height(x: mpf) -> tuple[mpf, mpf, mpf]:
-        """sn², cn² and u̇ at x."""
+        """Return sn², cn² and u̇, 1/s, at x."""
         sn, cn, dn = functions(x)
         return sn**2, cn**2, 2 * swing.p * swing.u21 * sn * cn * dn
 

@@ -15,7 +15,7 @@ FORCES_IN_FLIGHT = frozenset({"gravity"})
 
 
 class Flight(NamedTuple):
-    """How long a free body had been flying at each sample, and the state its flight started from.
+    """How long a free body has been flying at each sample, and the state its flight started from.
 
     Attributes
     ----------
@@ -34,11 +34,11 @@ def motion(
     times: FloatArray,
     states: tuple[FloatArray, FloatArray],
 ) -> Trajectory:
-    """Assemble a trajectory.
+    """Return the trajectory of a scene, given its rotation along the principal axes.
 
     Parameters
     ----------
-    times : (n,) s
+    times : (n,) s, from the scene's start on
     states : q_world_axes (n, 4) and omega_axes (n, 3) rad/s, along the principal axes
     """
     start = scenario.start
@@ -55,12 +55,13 @@ def assembled(
     flight: Flight,
     kept: FloatArray,
 ) -> Trajectory:
-    """Assemble a trajectory whose samples may belong to flights from different starts.
+    """Return a trajectory, as `motion` does, whose samples may be of flights from other starts.
 
     Parameters
     ----------
     times, states : as for `motion`
-    kept : constant angular momentum of each part about its axis, kg m²/s, (parts,) or (n, parts)
+    flight : duration and start of the flight that leads to each sample
+    kept : constant angular momentum of each rotor about its axis, kg m²/s, (rotors,) or (n, rotors)
     """
     q_world_axes, omega_axes = states
     q_axes_body = np.array(problem.q_axes_body, dtype=float)
@@ -75,7 +76,12 @@ def assembled(
 
 
 def along_axes(problem: Problem, motion: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """Return q_world_axes (n, 4), of unit norm, and omega_axes (n, 3) rad/s of a motion."""
+    """Return attitude and ω of a motion along the principal axes: the inverse of `motion`.
+
+    Returns
+    -------
+    q_world_axes (n, 4), of unit norm, and omega_axes (n, 3), rad/s
+    """
     q_axes_body = np.array(problem.q_axes_body, dtype=float)
     q_world_axes, omega_axes = motion.q_world_body_wxyz, motion.omega_body
     if q_axes_body[0] != 1:
@@ -91,8 +97,8 @@ def _placed(
 ) -> tuple[FloatArray, FloatArray]:
     """Return position, m, and velocity, m/s, of the centre of mass, (n, 3) each.
 
-    Along axes of the world along which the body is held they follow from its attitude and ω; along
-    the other axes the body is in free flight.
+    Along world axes along which the body is held they follow from attitude and ω; along the other
+    world axes the body is in free flight.
     """
     g, t = scenario.gravity_world, flight.seconds[:, None]
     fallen = flight.com_world + flight.velocity_world * t + 0.5 * g * t**2

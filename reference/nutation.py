@@ -28,11 +28,11 @@ class Constants(NamedTuple):
     Attributes
     ----------
     pole : σ, 1 for the upper pole, −1 for the lower
-    b, d : as above, s⁻² and 1/s
-    excess : |W|² at the pole, if its energy took it there, s⁻²; may be negative
+    b, d : b and d as above, s⁻² and 1/s
+    excess : |W|² that the top's energy would leave it at the pole, s⁻²; negative if it is too low
     e : c − σ d, 1/s: zero for a top that can reach the pole
-    delta : δ
-    W_squared : |W|², s⁻²
+    delta : δ at t = 0
+    W_squared : |W|² at t = 0, s⁻²
     rising : whether u̇ >= 0 at t = 0
     """
 
@@ -56,12 +56,20 @@ class Constants(NamedTuple):
         return self.e - (1 - self.pole) * self.d
 
     def c_minus_d_times(self, below: mpf, above: mpf) -> mpf:
-        """c − d u, 1/s, from `below` = 1 − u and `above` = 1 + u."""
+        """Return c − d u, 1/s, given `below` = 1 − u and `above` = 1 + u."""
         return self.e + self.pole * self.d * (below if self.pole > 0 else above)
 
 
 def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """Return a start's constants, from the nearer pole or from the upper if just in reach."""
+    """Return the constants of a start, with heights measured from one of the poles.
+
+    The pole is the nearer one, or the upper one if the energy is just enough to reach it.
+
+    Parameters
+    ----------
+    start, omega : attitude, and ω along the top's frame, rad/s, at t = 0
+    b, d : b and d as above, s⁻² and 1/s
+    """
     upper = _constants_from(1, start, omega, b, d)
     if upper.delta <= 1 or (upper.excess == 0 and upper.e == 0):
         return upper
@@ -69,7 +77,9 @@ def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
 
 
 def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """Return the constants; a difference of numbers that agree to working precision is set to zero.
+    """Return the constants of a start, with heights measured from a given pole.
+
+    A difference of numbers that agree to working precision is set to zero.
 
     With γ the upward vertical along the top's axes, −γ1 + iγ2 = 2 A B*.
     """
@@ -95,7 +105,7 @@ class Nutation(NamedTuple):
 
     Attributes
     ----------
-    below, above : 1 − u and 1 + u at u1, u2, u3
+    below, above : 1 − u, and 1 + u, at each of u1, u2, u3
     u21, u31, u32 : u2 − u1, u3 − u1, u3 − u2
     U2 : U − u2
     p : rate of the argument p t + u0, 1/s
@@ -116,7 +126,7 @@ class Nutation(NamedTuple):
 
 
 def nutation(start: Constants) -> Nutation | None:
-    """Return the swing that follows a start, or None if u stays where it is."""
+    """Return the swing that follows from a start; None if u is constant."""
     pole, delta = start.pole, start.delta
     d1, d2, d3 = turning_points(pole, start.b, start.d, start.excess, start.e)
     if equal(d1, d2):
@@ -140,7 +150,7 @@ def nutation(start: Constants) -> Nutation | None:
 
 
 def turning_points(pole: int, b: mpf, d: mpf, excess: mpf, e: mpf) -> Vector:
-    """Return δ of u1, u2 and u3, measured from a pole; the arguments are those of `Constants`.
+    """Return δ of u1, u2 and u3, measured from a pole; the parameters are as in `Constants`.
 
     They are the zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd, with u = σ(1 − δ).
     The largest comes from Viète's cosines (DLMF 1.11.iii; all are real); dividing by it leaves a
@@ -170,7 +180,10 @@ def _by_cosines(a2: mpf, a1: mpf, a0: mpf) -> list[mpf]:
 
 
 def _within_bounds(deltas: list[mpf], pole: int) -> Vector:
-    """Return the roots with those moved to u1, u2 <= 1 <= u3 that rounding has put past a pole."""
+    """Return δ of the three roots, with those moved to a pole that rounding has put beyond it.
+
+    So −1 ≤ u1, u2 ≤ 1 ≤ u3 holds exactly.
+    """
     d1, d2, d3 = deltas
     if pole > 0:
         return min(d1, mpf(2)), max(d2, mpf(0)), min(d3, mpf(0))

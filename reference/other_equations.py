@@ -17,8 +17,8 @@ BODY, WORLD, KEPT_IN_WORLD = 0, 1, 2
 #: A kinematic number from here on is a convention of Euler angles, `FIRST_ANGLES` + 9 i + 3 j + k
 #: for R = R_i(a) R_j(b) R_k(c), whose rates ω is taken for.
 FIRST_ANGLES = 3
-#: How vectors along world axes are turned to the body's: by Rᵀ; by R; not at all; or not at all,
-#: gravity's torque being computed along world axes.
+#: How vectors along world axes are turned to body axes: by Rᵀ, which is right; by R; not at all; or
+#: not at all, and the torque of gravity is computed along world axes.
 TURNED_BACK, TURNED_ON, UNTURNED, TORQUE_UNTURNED = 0, 1, 2, 3
 
 
@@ -33,7 +33,7 @@ class OtherEquations(NamedTuple):
     Attributes
     ----------
     inertia, inverse, gyroscopic, turning : I, its inverse, G, A, (3, 3)
-    kept : h, the momentum of parts, (3,)
+    kept : h, the angular momentum of rotors relative to the body, kg m²/s, (3,)
     gravity_world, pull : g; and l, mass times the lever from a pivot, zero without a pivot; (3,)
     torque, torque_world : (3,)
     slowing : c, a, b
@@ -47,8 +47,8 @@ class OtherEquations(NamedTuple):
     gravity_gradient : S, symmetric, along world axes: κ z zᵀ for a torque κ z × I z; 1/s², (3, 3)
     body_turns, world_turns : s, body axes, and w, world axes, at which a body turns besides, and
         the world does; rad/s, (3,)
-    world_vectors : how g and torque_world are turned to body axes, for Rᵀ: `TURNED_BACK`,
-        `TURNED_ON`, `UNTURNED` or `TORQUE_UNTURNED`
+    world_vectors : how g and torque_world are turned to body axes, which is by Rᵀ in the formula
+        above: `TURNED_BACK`, `TURNED_ON`, `UNTURNED` or `TORQUE_UNTURNED`
     lever, mobility : from a table to the com, m, and 1/mass, which is 0 without a table
     tensor_turns : how often R turns vectors before I and G are applied: 0 where these are along
         body axes, 1 along world axes, and 2 where ω is Rᵀ I⁻¹ R L along world axes, for R I⁻¹ Rᵀ L
@@ -87,7 +87,7 @@ class OtherEquations(NamedTuple):
 
 
 def inverse(matrix: FloatArray) -> FloatArray:
-    """Return the inverse of a matrix, (n, n); nan if it has none."""
+    """Return the inverse of a matrix, (n, n); all nan if the matrix is singular."""
     try:
         return np.asarray(np.linalg.inv(matrix), dtype=float)
     except np.linalg.LinAlgError:
@@ -95,7 +95,7 @@ def inverse(matrix: FloatArray) -> FloatArray:
 
 
 def equations_of(scenario: Scenario) -> OtherEquations:
-    """Return the equations of motion of a scene."""
+    """Return a scene's own equations of motion, in the form of `OtherEquations`."""
     constraint, pushed = scenario.constraint, scenario.pushed
     inertia = np.array(scenario.inertia)
     is_on_table = scenario.answer is not None

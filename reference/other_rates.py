@@ -1,7 +1,8 @@
 """Rates of change of a state by equations of motion that need not be a scene's, compiled.
 
-The equations come as one array of all their numbers: to pass some twenty arrays to each function
-takes several times as long as what it computes.
+The equations are passed as one array of all their numbers, which `all_numbers` returns and which is
+always named `e` here: passing some twenty arrays to each function would take several times as long
+as what the function computes. R is the rotation matrix of the attitude, body to world.
 """
 
 import math
@@ -62,7 +63,10 @@ _PLACES = np.cumsum([0, *(_COUNTS.get(name, 3) for name in OtherEquations._field
 
 
 def all_numbers(equations: OtherEquations) -> FloatArray:
-    """Return the numbers of equations in one array, those of each attribute row by row."""
+    """Return all numbers of equations of motion in one array, attribute by attribute.
+
+    Matrices are written row by row.
+    """
     # Three times as fast as `concatenate`, for so many short arrays.
     return np.frombuffer(bytearray().join(np.asarray(one, float).tobytes() for one in equations))
 
@@ -140,11 +144,14 @@ def rotation_of(q: FloatArray) -> Matrix:
 
 @kernel
 def by_tensor(e: FloatArray, tensor: int, R: Matrix, v: Vector) -> Vector:
-    """Return a tensor times a vector along body axes, whichever axes the tensor is constant in.
+    """Return the product of a tensor and a vector v, both along body axes.
+
+    The tensor may be constant along body axes or, in wrong equations, along others: the number
+    `OtherEquations.tensor_turns` says how often R turns v first.
 
     Parameters
     ----------
-    tensor : where the tensor begins among all numbers
+    tensor : index at which the tensor begins in `e`
     """
     turns = int(e[TENSOR_TURNS])
     for _ in range(turns):
@@ -157,7 +164,11 @@ def by_tensor(e: FloatArray, tensor: int, R: Matrix, v: Vector) -> Vector:
 
 @kernel
 def _of_world(e: FloatArray, R: Matrix, v: Vector) -> Vector:
-    """Return what the equations take for a vector of world axes, along body axes."""
+    """Return a vector of world axes turned to body axes as the equations do it.
+
+    This may be wrong on purpose: by the rule of `OtherEquations.world_vectors` the vector is turned
+    by Rᵀ, which is correct, by R, or not at all.
+    """
     if e[WORLD_VECTORS] >= UNTURNED:
         return v
     return _times(R, v) if e[WORLD_VECTORS] == TURNED_ON else _to_body(R, v)
@@ -165,7 +176,10 @@ def _of_world(e: FloatArray, R: Matrix, v: Vector) -> Vector:
 
 @kernel
 def _resistance(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
-    """Return the torque that opposes ω, N m, body axes."""
+    """Return the torque of damping, friction and turned drag against ω, N m, body axes.
+
+    The terms of a and b, `slowing`, are not among them, except c.
+    """
     c, f = e[SLOWING], e[FRICTION]
     speed = math.sqrt(dot(omega, omega))
     if f != 0.0 and speed > 0.0:
@@ -195,7 +209,10 @@ def _has_torque_of_attitude(e: FloatArray) -> bool:
 
 @called
 def _of_attitude(e: FloatArray, R: Matrix) -> Vector:
-    """Return the torque that depends on the attitude besides gravity's, N m, body axes."""
+    """Return the torques that depend on the attitude, without that of gravity, N m, body axes.
+
+    They are those of `attitude_torque`, `spring` and `gravity_gradient`.
+    """
     torque, P, S = (0.0, 0.0, 0.0), matrix(e, ATTITUDE_TORQUE), matrix(e, GRAVITY_GRADIENT)
     for i in range(3):
         column, row = (P[i], P[3 + i], P[6 + i]), (R[3 * i], R[3 * i + 1], R[3 * i + 2])
@@ -208,7 +225,7 @@ def _of_attitude(e: FloatArray, R: Matrix) -> Vector:
 
 @kernel
 def _turned_from(spring: Matrix, R: Matrix) -> Vector:
-    """Return k φ by the rotation vector φ from an attitude R₀ to R; given k R₀."""
+    """Return k φ, N m, with φ the rotation vector from an attitude R₀ to R; `spring` is k R₀."""
     k = math.sqrt(spring[0] ** 2 + spring[3] ** 2 + spring[6] ** 2)
     first = _to_body(spring, (R[0], R[3], R[6]))
     second = _to_body(spring, (R[1], R[4], R[7]))
@@ -222,7 +239,7 @@ def _turned_from(spring: Matrix, R: Matrix) -> Vector:
 
 @called
 def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
-    """Return I ω', N m, body axes."""
+    """Return the torque I ω' of all terms of the equations, N m, body axes."""
     kept = vector(e, KEPT)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), kept, 1.0)
     torque = plus(vector(e, TORQUE), _cross(omega, turned), -1.0)
@@ -251,7 +268,11 @@ def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 
 @called
 def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
-    """Return the angular velocity, body axes, rad/s, of rates of Euler angles; nan at a pole."""
+    """Return the angular velocity, rad/s, body axes, that belongs to rates of Euler angles.
+
+    The equations take ω for these rates; the convention of the angles is that of `kinematics`. It
+    is nan where the first and third axis coincide.
+    """
     which = int(e[KINEMATICS]) - FIRST_ANGLES
     i, j, k = which // 9, which // 3 % 3, which % 3
     # If the first and third axis are the same, the components are the angles' rates in order.
@@ -269,7 +290,11 @@ def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
 
 @kernel
 def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
-    """Return the angular velocity at which the attitude turns, body axes, rad/s."""
+    """Return the angular velocity at which the attitude turns, rad/s, body axes.
+
+    In correct kinematics it is ω; in those that an engine may have used instead, by the number
+    `OtherEquations.kinematics`, it is another vector.
+    """
     omega = _times(matrix(e, TURNING), omega)
     kinematics = e[KINEMATICS]
     if kinematics < WORLD:
@@ -282,9 +307,10 @@ def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 
 @called
 def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -> Vector:
-    """Return ω' of ω = Rᵀ I⁻¹ R L along world axes, where L is integrated; rad/s², body axes.
+    """Return ω', rad/s², body axes, if an engine integrates L and takes a wrongly turned tensor.
 
-    L is taken for Rᵀ I R ω, and changes by torques alone.
+    It computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. L, which changes
+    only by torques, is therefore Rᵀ I R ω.
     """
     inverse = matrix(e, INVERSE)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), vector(e, KEPT), 1.0)
@@ -299,7 +325,9 @@ def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -
 
 @kernel
 def rates_of(e: FloatArray, y: FloatArray) -> tuple[Vector, Vector]:
-    """Return the rates at a state: the angular velocity of the attitude, and ω', body axes.
+    """Return the rates at a state: the angular velocity at which the attitude turns, and ω'.
+
+    They are along body axes, rad/s and rad/s².
 
     Parameters
     ----------

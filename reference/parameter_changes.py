@@ -39,7 +39,8 @@ class Change:
     ----------
     turn_axes, omega_axes : change of the start's attitude, rad, and ω, rad/s, along principal axes
     inertia_axes : δI about the fixed point, kg m², along principal axes
-    constants : change of the numbers that the constants are linear in, by attribute of a `Problem`
+    constants : changes of the `Problem`'s attributes that the constants of the equations are linear
+        in, by attribute
     lever_body : change of the vector from the point that is held to the com, m, body axes
     """
 
@@ -51,11 +52,11 @@ class Change:
 
 
 def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Change]:
-    """Return the changes by each number of the start and each parameter of a scene, by name.
+    """Return how a problem changes by each number of the start and each parameter, by name.
 
-    The value of a vector is a list with a change for each component, that of a scalar a single
-    change. Mass, com and inertia are those of `[body]`, without the parts that turn in it, and the
-    inertia is that about its com.
+    For a vector the value is a list with a change for each component, for a scalar a single change.
+    Mass, com and inertia are those of the scene's `[body]`, without rotors; the inertia is about
+    its com.
     """
     q, acting = problem.q_axes_body, [TERMS[name] for name in TERMS if name in scenario.called_for]
     with mp.workdps(DIGITS):
@@ -85,7 +86,10 @@ def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Ch
 
 
 def changed_problem(problem: Problem, change: Change) -> Problem:
-    """Return the problem with the change of the numbers that its constants are linear in."""
+    """Return a problem with the numbers changed that the constants of its equations are linear in.
+
+    Start and inertia stay as they are.
+    """
     with mp.workdps(DIGITS):
         numbers = {
             name: np.array(getattr(problem, name)) + np.array(by)
@@ -97,9 +101,10 @@ def changed_problem(problem: Problem, change: Change) -> Problem:
 def _of_body(
     scenario: Scenario, q: Quaternion, acting: list[EffectTerms]
 ) -> Callable[[Array, mpf, Array], Change]:
-    """Return a function from changes of inertia about the com, mass and com to a `Change`.
+    """Return a function that makes a `Change` of changes of the body's numbers.
 
-    They are in kg m², kg and m, body axes.
+    Its arguments are the changes of the inertia about the com, kg m², of the mass, kg, and of the
+    com, m, in body axes.
     """
     own, whole = scenario.carrier, scenario.body
     mass, com, whole_com = own.mass_exact, exact(own.com_exact), exact(whole.com_exact)
@@ -127,5 +132,5 @@ def _joined(each: Iterable[Numbers]) -> Numbers:
 
 
 def _entry(i: int, j: int) -> Array:
-    """The symmetric tensor (3, 3) whose entries ij and ji are 1 and whose others are 0."""
+    """Return the symmetric tensor, (3, 3), whose entries ij and ji are 1 and all others 0."""
     return exact([[{row, column} == {i, j} for column in range(3)] for row in range(3)])

@@ -26,14 +26,14 @@ class Problem:
     gravity_world : acceleration, m/s²
     torque_axes, torque_world : constant torques along the principal and the world axes, N m
     drag : coefficient c of the torque −c ω, N m s
-    tip_axes : of the sphere that slides on a table, its centre from the centre of mass, m; zero
-        without a table
+    tip_axes : vector from the centre of mass to the centre of the sphere that slides on a table, m;
+        zero without a table
     tip_radius : radius of that sphere, m
     ends_at_lift_off : whether the motion ends where the table would have to pull
     mass : mass of the body, kg
     q_axes_body : quaternion that takes body components to components along the principal axes
-    kept, kept_axes : of each part that turns, the angular momentum that it keeps, kg m²/s, and the
-        unit axis that it keeps it about, along the principal axes
+    kept, kept_axes : for each rotor, the constant angular momentum about its axle, kg m²/s, and the
+        axle as a unit vector, along the principal axes
     """
 
     moments: Vector
@@ -59,7 +59,7 @@ class Problem:
 
     @property
     def held_lever(self) -> Vector:
-        """Mass times the vector to the com from pivot or tip, kg m; 0 without either."""
+        """Mass times the vector from pivot or tip to the com, kg m; 0 for a free body."""
         if not self.slides:
             return self.lever_axes
         with mp.workdps(DIGITS):
@@ -68,11 +68,14 @@ class Problem:
 
     @property
     def heaving(self) -> mpf:
-        """m l², kg m², l from the tip to the com, on a table, where the com heaves; else 0."""
+        """m l², kg m², with l the distance of tip and com of a body on a table; else 0.
+
+        On a table the com rises and falls, so that this is inertia that resists tilting.
+        """
         return mp.sqrt(dot(self.tip_axes, self.tip_axes)) ** 2 * self.mass
 
     def lengthened(self, factor: mpf) -> "Problem":
-        """Return the problem with levers `factor` times as long and a table that also pulls."""
+        """Return the problem with longer levers and, if it has a table, one that can also pull."""
         levers = {
             name: tuple(factor * component for component in getattr(self, name))
             for name in ("lever_axes", "tip_axes")
@@ -81,7 +84,7 @@ class Problem:
 
     @property
     def kept_momentum(self) -> Vector:
-        """Σ kept · axis, kg m²/s: the angular momentum of the parts, which L has besides I ω."""
+        """Σ kept · axis, kg m²/s: what rotors add to I ω in the angular momentum L."""
         with mp.workdps(DIGITS):
             total = ZERO
             for kept, (u, v, w) in zip(self.kept, self.kept_axes, strict=True):

@@ -15,12 +15,12 @@ from .problem import Problem
 def rotational_problem(scenario: Scenario) -> Problem:
     """Return the rotational problem of a scene about its pivot, or else its centre of mass.
 
-    Nothing is rounded: every double of the file is taken exactly.
+    No number is rounded: every double in the scene's file is taken exactly.
 
     Raises
     ------
     NotImplementedError
-        If `effect_terms` lacks an effect of the scene, or `motion` a force.
+        If `effect_terms` does not know an effect of the scene, or `motion` a force.
     """
     forces = {effect.name for effect in scenario.acting if effect.is_force} - FORCES_IN_FLIGHT
     if unknown := scenario.called_for - TERMS.keys() - {"pivot"} | forces:

@@ -62,9 +62,8 @@ class Sensitivity:
 
     The rows are a turn of the attitude, δR = R [δθ]×, rad, then ω, rad/s, both in body axes.
     The columns are the numbers that the derivatives are with respect to. In each derivative all
-    other numbers stay constant: ω at the start in body axes, the
-    inertia about the com where mass or com change. The body's numbers are those of `[body]`,
-    without parts that turn in it.
+    other numbers stay constant: ω at the start in body axes, and the inertia about the com where
+    mass or com change. The body's numbers are those of `[body]`, without rotors.
 
     Attributes
     ----------
@@ -78,14 +77,15 @@ class Sensitivity:
         - `mass` (n, 6), kg; `com` (n, 6, 3), from the body's origin, m, body axes
         - the parameters of effects: `gravity` (n, 6, 3), m/s², world axes; constant torques
           (n, 6, 3), N m, in the axes that they are constant in; coefficients (n, 6); the spins of
-          parts at t = 0 (n, 6, parts), rad/s, zero of those that cannot turn
+          rotors at t = 0 (n, 6, rotors), rad/s, zero for rotors that cannot turn
     translation : of a body without a pivot, arrays of the same names and columns whose rows are the
         com, m, and its velocity, m/s, world axes; `state_transition` (n, 6, 12) has columns for com
         and velocity at t = 0 besides, zero along axes along which the body is held
     rate : fastest rate of the motion, rad/s: the unit of ω in the two attributes below
     conditioning : (n,), the largest singular value of the state transition: the largest factor by
         which a small change of the start grows
-    uncertainty : by array, a bound on its errors over its largest value, both over all samples
+    uncertainty : for each array, by its name, a bound on its errors relative to its largest value,
+        both over all samples
     """
 
     t: FloatArray
@@ -117,7 +117,7 @@ def sensitivity(
     Parameters
     ----------
     motion : the exact motion, as far as it is known
-    of_start_alone : whether those by parameters are left out, which take most of the time
+    of_start_alone : whether derivatives by parameters, which take most of the time, are left out
 
     Raises
     ------
@@ -172,9 +172,11 @@ class _Varied:
 
     Attributes
     ----------
+    constants : constants of the equations, and their change
+    terms : which terms the equations have
     start, tangent : ω and attitude, principal axes, in one row, and their change
-    tensor : δI, principal axes
-    R_axes_body : from body axes to principal ones
+    tensor : δI, kg m², principal axes, (3, 3)
+    R_axes_body : matrix from body axes to principal axes, (3, 3)
     """
 
     constants: Dual
@@ -186,7 +188,7 @@ class _Varied:
 
 
 def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]:
-    """Return a function that gives, for a change, the numbers that its derivative is marched by."""
+    """Return a function from a change of a problem to the numbers that its integration needs."""
     # The effects of the scene, not only those that turn the body: a lever that is zero may have a
     # derivative that is not.
     terms = terms_of(problem, scenario.called_for & TERMS.keys())
@@ -211,7 +213,7 @@ def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]
 
 
 def _turned(varied: _Varied, times: FloatArray, orders: Orders) -> FloatArray:
-    """Return the derivative of attitude, rad, and ω, rad/s, along a change, body axes, (n, 6)."""
+    """Return the derivative of attitude, rad, and ω, rad/s, by a change, body axes, (n, 6)."""
     states, tangents = _marched(varied, times, orders)
     (w, x, y, z), (dw, dx, dy, dz) = states[:, Q : Q + 4].T, tangents[:, Q : Q + 4].T
     # The vector part of q̄ δq is δθ/2.
@@ -228,7 +230,7 @@ def _turned(varied: _Varied, times: FloatArray, orders: Orders) -> FloatArray:
 
 
 def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatArray, FloatArray]:
-    """Return states and their derivatives along a change, (n, STATE) each, principal axes."""
+    """Return states and their derivatives by a change, principal axes, (n, STATE) each."""
     series = Dual(*(_first_order(row, orders) for row in (varied.start, varied.tangent)))
     high, low = inverses_to(orders.total)
     counts = np.arange(orders.total + 1.0)
@@ -262,7 +264,7 @@ def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatA
 
 
 def _first_order(row: Tables, orders: Orders) -> Tables:
-    """Return a table, as high and low parts, for a series whose order 0 is given."""
+    """Return an empty series whose order 0 begins with a given row, as high and low parts."""
     series = np.zeros((2, orders.total + 1, WIDTH))
     series[:, :1, : row[0].shape[1]] = row
     return series[0], series[1]
@@ -273,9 +275,13 @@ def _translated(
 ) -> Arrays:
     """Return derivatives of com and velocity, world axes, (n, 6, k), of a body without a pivot.
 
-    Along axes of the world that are not held the body is in free flight; on a table its height is
-    that
-    of the rotated lever.
+    Along world axes that are not held the body is in free flight; on a table the height of the com
+    is that of the rotated lever.
+
+    Parameters
+    ----------
+    by_name : changes of the problem, by the number that derivatives are by
+    turned : derivatives of attitude and ω, by the same names
     """
     flying = ~np.array(scenario.constraint.is_held)
     t = motion.t[:, None, None]
@@ -296,7 +302,17 @@ def _translated(
 def _heaved(
     scenario: Scenario, motion: Trajectory, turned: FloatArray, levers: FloatArray
 ) -> FloatArray:
-    """Return derivatives of ẑ·R lever and of its rate, ẑ·R (ω × lever), (n, 2, k)."""
+    """Return derivatives of the com's height, ẑ·R lever, and of its rate, ẑ·R (ω × lever).
+
+    Parameters
+    ----------
+    turned : derivatives of attitude and ω by k numbers, (n, 6, k)
+    levers : derivatives of the lever by these numbers, body axes, (k, 3)
+
+    Returns
+    -------
+    (n, 2, k)
+    """
     up_body, lever = motion.R_world_body.as_matrix()[:, 2], scenario.constraint.lever
     heaved = np.empty((len(motion.t), 2, len(levers)))
     for k, longer in enumerate(levers):
@@ -308,7 +324,13 @@ def _heaved(
 
 
 def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
-    """Return the arrays by the names in `Sensitivity`, with `moments` added."""
+    """Return derivatives by the names that `Sensitivity` has, with `moments` added.
+
+    Parameters
+    ----------
+    derived : derivatives by the names of `changes`
+    single : names of scalars, whose arrays lose their last axis
+    """
     if not derived:
         return {}
     starts = [derived[name] for name in OF_START if name in derived]
@@ -324,7 +346,13 @@ def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
 def _apart(
     coarser: tuple[Arrays, Arrays], finer: tuple[Arrays, Arrays], rate: float
 ) -> dict[str, float]:
-    """Return how far apart two series are, for each array, relative to its largest derivative."""
+    """Return the difference of two solutions for each array, relative to its largest value.
+
+    Parameters
+    ----------
+    coarser, finer : arrays of rotation and of translation, by two series
+    rate : the unit of ω, rad/s
+    """
     return {
         name: ROUNDING
         + max(
@@ -337,7 +365,10 @@ def _apart(
 
 
 def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
-    """Return the largest difference over the largest value, the worst over kinds of columns."""
+    """Return the largest difference relative to the largest value.
+
+    Columns of different units are compared apart; the largest of their ratios is returned.
+    """
     unit = np.repeat([1.0, rate], 3)[:, None]
     worst = 0.0
     for first in range(0, values[0, 0].size, KIND):

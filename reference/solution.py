@@ -13,12 +13,12 @@ class Solution:
     ----------
     trajectory : the motion
     method : how it was solved, in words
-    uncertainty : bound on its own errors, in the norms that runs are judged by
+    uncertainty : bound on the trajectory's own errors, in the norms that runs are judged by
     conditioning : change of the motion by a relative change of one ulp in the start and the body,
-        to first order and in its worst direction. Symmetric bodies stay symmetric: rounding, step
+        to first order and in the worst direction. Symmetric bodies stay symmetric: rounding, step
         by step, changes states and not the body
     horizon : s, the time at which the uncertainty of a chaotic motion exceeds `MAX_UNCERTAINTY`,
-        or at which a body leaves its table; the trajectory ends before it. None where neither does
+        or at which a body leaves its table; the trajectory ends before it. None if neither happens
     lifts_off : whether the trajectory ends because the body leaves its table
     """
 
@@ -41,7 +41,10 @@ class Solution:
         )
 
     def ends_before(self, duration: float) -> str:
-        """The sentence that a window of `duration` s outlasts the motion; empty if it does not."""
+        """Return a message if the body leaves its table before a window of `duration` s ends.
+
+        It is empty if the body does not.
+        """
         if not self.lifts_off:
             return ""
         return (

@@ -67,12 +67,15 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
 
 
 def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Solution]:
-    """Return the exact motion of one of many scenes; parameters and errors as in `solve_each`.
+    """Return the exact motion of a scene at several rows of times, for one of very many scenes.
 
-    Conditioning may be NaN, because no verdict depends on one of many scenes. A closed form is only
-    used
-    where the series does not reach the last time, as beside a saddle: to find one costs as much as
-    hundreds of radians of the series.
+    Conditioning may be NaN, because no verdict depends on one of many scenes. A closed form is used
+    only where the series does not reach the last time, as beside a saddle: finding it costs as much
+    as hundreds of radians of the series.
+
+    Parameters
+    ----------
+    rows : rows of times, s, each increasing and from 0 on
     """
     times = np.unique(np.concatenate([_increasing(row) for row in rows]))
     solution = _by_series(scenario, rotational_problem(scenario), times)
@@ -83,29 +86,29 @@ def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Soluti
 
 @final
 class ExactMotion:
-    """The exact motion of one scene at any times; what does not depend on them is computed once."""
+    """The exact motion of one scene; numbers that do not depend on times are computed once."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._problem, self._closed = _posed(scenario)
 
     def solve(self, times: FloatArray) -> Solution:
-        """Return the motion and its uncertainty; parameters and errors as in `solve`."""
+        """Return the motion at given times and its uncertainty, as the function `solve` does."""
         times = _increasing(times)
         if self._closed is not None:
             return _solve_closed(self._scenario, self._problem, self._closed, times)
         return _solve_ode(self._scenario, self._problem, times)
 
     def solve_each(self, rows: Sequence[FloatArray]) -> list[Solution]:
-        """Return the motion at several rows of times, each from 0 on, solved for all together.
+        """Return the motion at each of several rows of times, computed for all rows together.
 
-        Uncertainty and conditioning are those of all times, so they are upper bounds for a row.
+        Uncertainty and conditioning are those over all times, and so upper bounds for each row.
         """
         together = self.solve(np.unique(np.concatenate(list(rows))))
         return [_part(together, times) for times in rows]
 
     def outline(self, times: FloatArray) -> Trajectory:
-        """Return the motion as `solve` finds it, up to its horizon, without its uncertainty."""
+        """Return the motion that `solve` finds, up to its horizon, without its uncertainty."""
         times = _increasing(times)
         if self._closed is not None:
             return motion(self._scenario, self._problem, times, self._closed.states(times))
@@ -114,7 +117,7 @@ class ExactMotion:
 
 @lru_cache(maxsize=SCENES)
 def _posed(scenario: Scenario) -> tuple[Problem, ClosedForm | None]:
-    """Return problem and closed form of a scene, found in extended precision."""
+    """Return a scene's problem and its closed form, which is None if there is none."""
     problem = rotational_problem(scenario)
     return problem, closed_form(problem)
 
@@ -127,7 +130,11 @@ def _increasing(times: FloatArray) -> FloatArray:
 
 
 def _part(together: Solution, times: FloatArray) -> Solution:
-    """Return the part of a solution at some of its times, up to its horizon."""
+    """Return the part of a solution at some of its times, up to the solution's horizon.
+
+    If the part ends before the last of these times, its horizon is the time of lift-off, or else
+    the first of these times from the solution's horizon on.
+    """
     count = (
         len(times) if together.horizon is None else int(np.searchsorted(times, together.horizon))
     )
@@ -144,7 +151,7 @@ def _part(together: Solution, times: FloatArray) -> Solution:
 
 
 def solve_ode(scenario: Scenario, times: FloatArray) -> Trajectory:
-    """Return the motion by the ODE integrator, even if the scene has a closed form."""
+    """Return a scene's motion by the ODE integrator, even if the scene has a closed form."""
     problem = rotational_problem(scenario)
     return motion(scenario, problem, times, integrate(problem, times))
 
@@ -169,11 +176,11 @@ def _solve_closed(
 
 
 def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -> Errors:
-    """Return how far a closed form is from the ODE's solution, as far as the latter is accurate.
+    """Return how far a closed form is from the ODE's solution, while that solution is accurate.
 
-    Beside a saddle it is the ODE's solution that errs: its rounding error grows, and that of the
-    closed form does not. Where they differ, the most expensive series is used instead, up to the
-    sample where the next cheaper one departs from it.
+    Beside a saddle the ODE's solution is inaccurate: its rounding error grows, and that of the
+    closed form does not. Where the two differ, the most expensive series is used instead, up to the
+    sample where the next cheaper series departs from it.
     """
 
     def by_ode(orders: Orders) -> Trajectory:
@@ -191,7 +198,7 @@ def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -
 def _count_of_agreeing_samples(
     scenario: Scenario, trajectory: Trajectory, coarser: Trajectory
 ) -> int:
-    """Return the number of samples up to which a coarser series finds the same motion."""
+    """Return the number of first samples at which two solutions agree to `MAX_UNCERTAINTY`."""
     series = error_series(scenario, trajectory, coarser)
     beyond = np.flatnonzero(np.maximum(series["omega"], series["attitude"]) > MAX_UNCERTAINTY)
     return int(beyond[0]) if len(beyond) else len(trajectory.t)
@@ -200,9 +207,10 @@ def _count_of_agreeing_samples(
 def _conditioning_of_closed(
     scenario: Scenario, problem: Problem, trajectory: Trajectory, within_reach: Trajectory
 ) -> Errors:
-    """Return the conditioning: by the ODE within its reach, by the closed form beyond.
+    """Return the conditioning of a motion in closed form.
 
-    The ODE is cheap at many times, but does not get further in good time.
+    At times that the ODE integrator reaches quickly, those of `within_reach`, it is computed by the
+    ODE, and at later times by closed forms, which cost more for each changed problem.
     """
 
     def by_ode(neighbour: Problem) -> Trajectory:
@@ -236,9 +244,9 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 
 def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
-    """Return the solution by the ODE, with NaN as conditioning, which would take twice as long.
+    """Return the solution by the ODE without conditioning, which would take twice as long.
 
-    Its uncertainty leaves out what `rounding_of` measures: rounding where terms cancel.
+    Conditioning is NaN, and uncertainty does not include the errors that `rounding_of` returns.
     """
     known = _integrated_to_horizon(scenario, problem, times)
     apart = errors_between(scenario, known.trajectory, known.coarser)
@@ -253,7 +261,13 @@ def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 
 class _Known(NamedTuple):
-    """A motion by two series as far as they agree; horizon and lift-off as in a `Solution`."""
+    """A motion by two series, up to the sample from which on they disagree.
+
+    Attributes
+    ----------
+    trajectory, coarser : the motion by the more and by the less expensive series
+    horizon, lifts_off : as in `Solution`
+    """
 
     trajectory: Trajectory
     coarser: Trajectory
@@ -262,7 +276,7 @@ class _Known(NamedTuple):
 
 
 def _integrated_to_horizon(scenario: Scenario, problem: Problem, times: FloatArray) -> _Known:
-    """Return the motion up to where it becomes chaotic or leaves its table."""
+    """Return the motion by two series, up to where they disagree or the body leaves its table."""
 
     def integrated(orders: Orders) -> Trajectory:
         return motion(scenario, problem, times, integrate(problem, times, orders))
@@ -292,9 +306,14 @@ def _integrated_to_horizon(scenario: Scenario, problem: Problem, times: FloatArr
 def _checked_times(times: FloatArray, rate: float) -> FloatArray:
     """Return the times, s, at which a closed form is compared with the ODE.
 
-    They are spread over the span that the ODE reaches in good time, and again over the turns in
-    which it is surely accurate. They do not depend on the samples asked for: a wrong form is wrong
-    at these times as well.
+    They are spread over the time span that the ODE integrator reaches quickly, and again over the
+    first turns, in which it is certainly accurate. They need not be the sample times: a wrong
+    closed form is wrong at these times as well.
+
+    Parameters
+    ----------
+    times : the sample times, of which only the last matters, s
+    rate : fastest rate of the motion, rad/s
     """
     end = min(CHECKED_TURN / rate, times[-1]) if rate else times[-1]
     sure = min(SURE_TURN / rate, end) if rate else end

@@ -11,12 +11,12 @@ from .symmetry import equal
 
 
 def perturbation_rate_squared(moments: Vector, axis: int, rate: float) -> float:
-    """λ² of small deviations e^{λt} from rotation about a principal axis, s⁻².
+    """Return λ² of small deviations e^{λt} from rotation about a principal axis, s⁻².
 
-    Euler's equations linearised about ω_k = `rate`:
+    Euler's equations linearised about ω_k = `rate` give
     λ² = ω_k² (I_k − I_i)(I_j − I_k)/(I_i I_j) (Landau & Lifshitz, Mechanics, §37; Goldstein §5.6).
-    Positive, growth at the rate λ, about the middle axis; negative, oscillation at |λ|, about the
-    extreme ones; 0 where I_k equals another moment.
+    About the middle axis it is positive, and deviations grow at the rate λ; about the other two it
+    is negative, and they oscillate at |λ|; it is 0 where I_k equals another moment.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def perturbation_rate_squared(moments: Vector, axis: int, rate: float) -> float:
 
 
 def body_cone_rate(I1: float, I3: float, omega3: float) -> float:
-    """The rate at which ω goes round the axis of a free symmetric body, seen in it, rad/s.
+    """Return the rate at which ω goes round the axis of a free symmetric body, body axes, rad/s.
 
     ω1 + iω2 ∝ exp(iΩt) with Ω = (I3 − I1)/I1 ω3 (Goldstein §5.6; the Chandler wobble is the
     Earth's).
@@ -40,10 +40,10 @@ def body_cone_rate(I1: float, I3: float, omega3: float) -> float:
 
 
 def separatrix_distance(moments: Vector, omega: Vector) -> float:
-    """(L² − 2 E I2)/L², I2 the middle moment: dimensionless, 0 at rest and on the separatrix.
+    """Return (L² − 2 E I2)/L², with I2 the middle moment: 0 on the separatrix, and at rest.
 
-    Positive: ω circulates about the axis of the largest moment; negative: of the smallest
-    (Landau & Lifshitz, Mechanics, §37).
+    If it is positive, ω circulates about the axis of the largest moment, if negative about that of
+    the smallest (Landau & Lifshitz, Mechanics, §37).
     """
     with mp.workdps(DIGITS):
         square = mp.fsum((moment * w) ** 2 for moment, w in zip(moments, omega, strict=True))
@@ -51,7 +51,7 @@ def separatrix_distance(moments: Vector, omega: Vector) -> float:
 
 
 def tumbling_period(moments: Vector, omega: Vector) -> float | None:
-    """The period 4K/p of ω(t) of a free asymmetric body, s; it flips twice in one.
+    """Return the period 4K/p of ω(t) of a free asymmetric body, s; the body flips twice in it.
 
     p²= (I3 − I2)(L² − 2 E I1)/(I1 I2 I3) and p² k'² = (I3 − I1)(L² − 2 E I2)/(I1 I2 I3), where 2 is
     the middle axis and 3 the one that ω circulates about (Landau & Lifshitz §37, eq. 37.8–12);
@@ -80,5 +80,8 @@ def tumbling_period(moments: Vector, omega: Vector) -> float | None:
 
 
 def _excess(moments: Vector, omega: Vector, of: mpf) -> mpf:
-    """L² − 2 E I for the moment I = `of`, summed by axes: the axis of I drops out exactly."""
+    """Return L² − 2 E I for the moment I = `of`, kg² m⁴/s².
+
+    It is summed axis by axis, so that the axis of this moment drops out exactly.
+    """
     return mp.fsum(moment * (moment - of) * w**2 for moment, w in zip(moments, omega, strict=True))

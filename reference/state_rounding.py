@@ -18,9 +18,10 @@ LOOKED_AT = 64
 
 
 def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
-    """Return the error of each signal by rounding: large where opposite angular momenta cancel.
+    """Return the error of each signal that rounding of a motion's states to doubles causes.
 
-    Rounding errors of single components have random signs, so their effects add up in squares.
+    It is large where opposite angular momenta cancel. Rounding errors of single components have
+    random signs, so that the squares of their effects are added.
     """
     every = -(-len(motion.t) // LOOKED_AT)
     seen = motion.every(every)
@@ -37,7 +38,9 @@ def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
 def moved_states(
     scenario: Scenario, motion: Trajectory, uncertainty: Errors, placed: float
 ) -> Iterator[Trajectory]:
-    """Yield for each component of the states the motion with it off by `MAGNIFIED` times its error.
+    """Yield for each component of the states the motion with an error in this component.
+
+    The error is `MAGNIFIED` times the stated one, at all samples.
 
     Parameters
     ----------
@@ -62,7 +65,7 @@ def moved_states(
 
 
 def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:
-    """Return the motion with the centre of mass where its attitude and ω put it."""
+    """Return a motion with the com's position and velocity that follow from attitude and ω."""
     constraint = scenario.constraint
     swing_world = motion.to_world(np.cross(motion.omega_body, constraint.lever))
     return replace(

@@ -13,7 +13,7 @@ ZERO = mpc(0)
 
 
 def turns_rigidly(problem: Problem) -> bool:
-    """Whether ω stays constant if no torque acts, because it is along L (Landau & Lifshitz §36)."""
+    """Whether ω stays constant if no torque acts, since ω is along L (Landau & Lifshitz §36)."""
     moments, omega = problem.moments, problem.omega_axes
     with mp.workdps(DIGITS):
         speed = norm(omega)
@@ -25,7 +25,7 @@ def turns_rigidly(problem: Problem) -> bool:
 
 
 def rigid_rotation(problem: Problem) -> ClosedForm:
-    """Return rotation about a fixed axis at a constant rate, or rest: q(t) = q(0) exp(ω t/2)."""
+    """Return the motion with constant ω, or at rest: q(t) = q(0) exp(ω t/2)."""
     omega = problem.omega_axes
     with mp.workdps(DIGITS):
         speed = norm(omega)
@@ -46,13 +46,14 @@ def regular_precession(
     omega: Vector,
     rates: tuple[mpf, mpf],
 ) -> ClosedForm:
-    """Return steady precession and spin at a constant tilt, in the frames that `frames` leads to.
+    """Return steady precession and spin at a constant tilt.
 
     Parameters
     ----------
-    start, omega : attitude and angular velocity at t = 0
-    rates : rates of the phases of A and B, rad/s, (α' + γ')/2 and (α' − γ')/2; W, ∝ A B* by
-        A' = ½ (iω3 A − W B), turns at their difference γ'
+    frames : the frames of the top and of the world in which A and B are given
+    start, omega : attitude, and angular velocity along the top's frame, rad/s, at t = 0
+    rates : rates of the phases of A and B, rad/s, (α' + γ')/2 and (α' − γ')/2. W is proportional to
+        A B*, since A' = ½ (iω3 A − W B), and turns at their difference γ'
     """
     of_A, of_B = rates
     quotients = (

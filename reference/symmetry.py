@@ -23,28 +23,31 @@ def equal(a: mpf, b: mpf, scale: mpf = 0) -> bool:
 
 
 def norm(vector: Sequence[mpf]) -> mpf:
-    """Euclidean length, at the caller's precision."""
+    """Return the Euclidean length of a vector, at the caller's precision."""
     return mp.sqrt(dot(vector, vector))
 
 
 def scaled(vector: Vector, factor: mpf) -> Vector:
-    """factor · vector, at the caller's precision."""
+    """Return factor · vector, at the caller's precision."""
     x, y, z = vector
     return (factor * x, factor * y, factor * z)
 
 
 def gravity_torque_scale(problem: Problem) -> mpf:
-    """M g l, N m: weight times the com's distance from pivot or tip; 0 of a free body."""
+    """Return M g l, N m: weight times the com's distance from pivot or tip; 0 for a free body."""
     with mp.workdps(DIGITS):
         return norm(problem.held_lever) * norm(problem.gravity_world)
 
 
 def symmetry_axis(problem: Problem) -> Vector | None:
-    """Unit vector of the axis a top is symmetric about, principal components; None without one.
+    """Return the axis that a top is symmetric about, a unit vector in principal components.
 
-    Symmetric means: the two moments across the axis are equal, and gravity's lever lies on it.
-    With a lever the axis points from pivot or tip to the com. Without one it is the principal axis
-    whose moment differs from the other two; a sphere has none. Parts that turn make it none.
+    Symmetric means that the two moments across the axis are equal, and that the lever on which
+    gravity acts is along the axis. If there is such a lever, the axis points from pivot or tip to
+    the com; if not, it is the principal axis whose moment differs from the other two.
+
+    It is None if there is no such axis, for a sphere without a lever, and for a body whose rotors
+    have an angular momentum.
     """
     if any(problem.kept_momentum):
         return None
@@ -64,7 +67,7 @@ def symmetry_axis(problem: Problem) -> Vector | None:
 
 
 def angular_momentum_axes(problem: Problem) -> Vector:
-    """L at t = 0 along the principal axes, kg m²/s."""
+    """Return the angular momentum at t = 0 along the principal axes, kg m²/s."""
     with mp.workdps(DIGITS):
         parts = zip(problem.moments, problem.omega_axes, problem.kept_momentum, strict=True)
         x, y, z = (m * w + h for m, w, h in parts)
@@ -72,20 +75,20 @@ def angular_momentum_axes(problem: Problem) -> Vector:
 
 
 def moment_about(problem: Problem, axis: Vector) -> mpf:
-    """Moment of inertia about an axis through the fixed point, kg m²; axis of unit length."""
+    """Return the moment about an axis, a unit vector, through the fixed point, kg m²."""
     with mp.workdps(DIGITS):
         return mp.fsum(m * n * n for m, n in zip(problem.moments, axis, strict=True))
 
 
 def moments_across_and_along(problem: Problem, axis: Vector) -> tuple[mpf, mpf]:
-    """I1 and I3 of a symmetric top: moments across its axis, which are equal, and about it."""
+    """Return I1 and I3 of a symmetric top, its moments across its axis and about it, kg m²."""
     with mp.workdps(DIGITS):
         I3 = moment_about(problem, axis)
         return (mp.fsum(problem.moments) - I3) / 2, I3
 
 
 def across(axis: Vector) -> tuple[Vector, Vector]:
-    """Two unit vectors e1, e2 that make a right-handed triad (e1, e2, axis); e1, e2 for e3."""
+    """Return unit vectors e1, e2 for which (e1, e2, axis) is a right-handed orthogonal triad."""
     with mp.workdps(DIGITS):
         least = min(range(3), key=lambda k: abs(axis[k]))
         second = cross(axis, UNIT_VECTORS[least])
@@ -94,20 +97,20 @@ def across(axis: Vector) -> tuple[Vector, Vector]:
 
 
 def up_world(problem: Problem) -> FloatArray:
-    """The upward vertical −ĝ in world components, (3,); gravity must not be zero."""
+    """Return the upward vertical −ĝ, world axes, (3,); gravity must not be zero."""
     with mp.workdps(DIGITS):
         g = problem.gravity_world
         return np.array(scaled(g, -1 / norm(g)), dtype=float)
 
 
 def to_body(problem: Problem, vector_axes: Vector) -> Vector:
-    """Body components of a vector given along the principal axes."""
+    """Return the body components of a vector that is given along the principal axes."""
     with mp.workdps(DIGITS):
         return rotate(conjugate(problem.q_axes_body), vector_axes)
 
 
 def _axis_of_the_single_moment(moments: Vector) -> int | None:
-    """The index whose moment differs from the other two, which are equal; None if there is none."""
+    """Return the index of the moment that differs from the other two, which are equal, or None."""
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
         if equal(moments[i], moments[j]) and not equal(moments[k], moments[i]):

@@ -60,7 +60,7 @@ LOWER = 4
 
 @kernel
 def _move(series: Dual, tensor: Table, n: int) -> None:
-    """Write order n of δI ω."""
+    """Write order n of the series of δI ω; `tensor` is δI."""
     for i in range(3):
         moved = zero(series.value)
         for j in range(3):
@@ -72,7 +72,7 @@ def _move(series: Dual, tensor: Table, n: int) -> None:
 def _add_inertia(
     series: Dual, constants: Dual, inverses: Dual, terms: Terms, tensor: Table, n: int
 ) -> None:
-    """Add the contribution of δI to order n of δω', after order n of ω' itself is computed."""
+    """Add the contribution of a change δI to order n of δω', once order n of ω' is computed."""
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)
     for i in range(3):
@@ -137,10 +137,11 @@ def march_with_tangent(
     first: int,
     steps: int,
 ) -> tuple[int, int]:
-    """Fill states and their derivatives, (n, STATE) each, from sample `first` on.
+    """Write states and their derivatives at the sample times, from sample `first` on.
 
-    As `taylor_march.march`, except that lift-off is not detected and states are written as doubles.
-    `tensor` is δI along the principal axes, (3, 3).
+    It does what `taylor_march.march` does, except that it does not detect lift-off and writes
+    states and derivatives as doubles, (n, STATE) each. `tensor` is δI along the principal axes,
+    (3, 3).
     """
     total = series.value[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

@@ -44,7 +44,7 @@ _CONSTANT_BITS = 400
 
 
 class IntegrationError(ArithmeticError):
-    """A motion that cannot be integrated over the span asked for."""
+    """A motion cannot be integrated over the time span that was asked for."""
 
 
 class LiftOffError(IntegrationError):
@@ -52,7 +52,7 @@ class LiftOffError(IntegrationError):
 
     Attributes
     ----------
-    time : s, at which the table would have to pull, or the com is no longer above it
+    time : when the table would have to pull, or the com is no longer above it, s
     """
 
     def __init__(self, time: float) -> None:
@@ -64,7 +64,7 @@ class LiftOffError(IntegrationError):
 
 
 class Orders(NamedTuple):
-    """Number of orders of the Taylor series, and how many of them are in double-double."""
+    """Number of orders of a Taylor series, and how many of them are computed in double-double."""
 
     total: int
     double_double: int
@@ -79,12 +79,12 @@ FINE_ORDERS = Orders(34, 18)
 
 @dataclass(frozen=True, eq=False)
 class DoubleDoubleStates:
-    """Attitude and angular velocity in double-double: a number is the sum of its high and low part.
+    """Attitude and angular velocity in double-double: each number is the sum of two doubles.
 
     Attributes
     ----------
-    q_world_axes, q_low : (n, 4), w x y z
-    omega_axes, omega_low : (n, 3), rad/s
+    q_world_axes, q_low : high and low parts of attitudes, w x y z, (n, 4)
+    omega_axes, omega_low : high and low parts of ω along the principal axes, rad/s, (n, 3)
     """
 
     q_world_axes: FloatArray
@@ -174,7 +174,7 @@ def _march(problem: Problem, times: FloatArray, orders: Orders, states: Tables) 
 
 
 def terms_of(problem: Problem, effects: Iterable[str] | None = None) -> Terms:
-    """Return which terms of the equations are needed for some effects.
+    """Return which terms of the equations of motion some effects need.
 
     Parameters
     ----------
@@ -186,14 +186,19 @@ def terms_of(problem: Problem, effects: Iterable[str] | None = None) -> Terms:
 
 
 def constants_of(problem: Problem) -> Tables:
-    """Return the table of constants of `taylor_coefficients`, (hi, lo), rounded once."""
+    """Return the constants that `taylor_coefficients` reads, as high and low parts, rounded once.
+
+    They are (ROWS, 3) each; the rows are named in that module.
+    """
     return tables(_exact_constants(problem))
 
 
 def derived_constants(problem: Problem, changed: Problem) -> Tables:
-    """Return the derivatives of the table of constants by numbers that it is linear in.
+    """Return the derivatives of `constants_of` by a number that the constants are linear in.
 
-    In `changed` each of these numbers is larger by its unit change.
+    Parameters
+    ----------
+    changed : the problem with this number larger by one unit
     """
     with workprec(_CONSTANT_BITS):
         return tables(_exact_constants(changed) - _exact_constants(problem))
@@ -213,7 +218,10 @@ def _exact_constants(problem: Problem) -> NDArray[np.object_]:
 
 @cache
 def inverses_to(order: int) -> Tables:
-    """Return the table, (hi, lo), of 1/n, row 0, and 1/(2n), row 1; column n = 0 is unused."""
+    """Return 1/n in row 0 and 1/(2n) in row 1, for column n up to `order`, as high and low parts.
+
+    Column 0 is not used.
+    """
     with workprec(_CONSTANT_BITS):
         return tables(
             [[mpf(0)] + [1 / mpf(factor * n) for n in range(1, order + 1)] for factor in (1, 2)]
@@ -221,6 +229,6 @@ def inverses_to(order: int) -> Tables:
 
 
 def tables(rows: Iterable[Iterable[mpf]]) -> Tables:
-    """Return a table of extended-precision numbers as double-doubles, (hi, lo)."""
+    """Return rows of extended-precision numbers as two arrays, their high and their low parts."""
     pairs = np.array([[split(x) for x in row] for row in rows])
     return np.ascontiguousarray(pairs[..., 0]), np.ascontiguousarray(pairs[..., 1])

@@ -18,7 +18,7 @@ by Cauchy products (Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, sect
 a quotient. Γ, Σ and U are no part of the state, which could not keep them consistent with q: every
 step makes them anew from q, and only their higher orders come from their own equation.
 
-A series is a table with a row for each order and a column for each component.
+A series is an array with a row for each order and a column for each component.
 """
 
 from typing import NamedTuple
@@ -74,7 +74,7 @@ AFTER = (2, 0, 1)
 
 
 class Terms(NamedTuple):
-    """Which terms a motion calls for; the others are not computed.
+    """Which terms the equations of a motion have; other terms are not computed.
 
     `world_vectors` says whether there is gravity, a torque constant in the world, and a table, in
     this order; `linear` whether there is a torque −c ω; `momentum` whether there is h × ω.
@@ -137,7 +137,10 @@ def cross_omega(series: Table, column: int, n: int) -> Vector:
 def _acceleration(
     series: Table, constants: Table, terms: Terms, n: int, i: int, product: Number
 ) -> Number:
-    """Return order n of component i of ω', given that of the product of the others."""
+    """Return order n of component i of ω', without the force of a table.
+
+    `product` is order n of the product of the other two components of ω.
+    """
     total = multiply(load(constants, EULER, i), product)
     if terms.world_vectors[0]:
         after, next_ = load(series, n, GRAVITY + AFTER[i]), load(series, n, GRAVITY + NEXT[i])
@@ -181,7 +184,7 @@ def _dot(series: Table, n: int, left: int, right: int) -> Number:
 
 @kernel
 def _press(series: Table, constants: Table, n: int) -> None:
-    """Write order n of f, the force of the table over the mass, and of all that f depends on."""
+    """Write order n of f, a table's force divided by the mass, and of all series it depends on."""
     rate = cross_omega(series, UP, n)
     for i in range(3):
         store(series, n, UP_RATE + i, rate[i])
@@ -219,7 +222,7 @@ def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
 
 @kernel
 def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
-    """Add to order n + 1 of ω the effect of a table's force, given order n of ω' without the force.
+    """Add a table's force to order n + 1 of ω, once order n of ω' without the force is known.
 
     `extend` repeats these lines, because a call there costs a fifth of the time.
     """
@@ -234,9 +237,9 @@ def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: i
 def extend(
     series: Table, constants: Table, inverses: Table, terms: Terms, first: int, last: int
 ) -> None:
-    """Fill orders first + 1 to last from orders 0 to first.
+    """Compute orders first + 1 to last of a series from orders 0 to first.
 
-    Row 0 of `inverses` holds 1/n in column n, row 1 holds 1/(2n).
+    `inverses` is the table of `taylor.inverses_to`: 1/n and 1/(2n) in column n.
     """
     for n in range(first, last):
         products = _omega_products(series, n)
@@ -259,7 +262,7 @@ def extend(
 
 @kernel
 def _scaled_plus_cross(scale: Number, a: Vector, b: Vector) -> Vector:
-    """Return scale a + a × b."""
+    """Return scale · a + a × b for vectors a and b."""
     x = add_product(add_product(multiply(scale, a[0]), a[1], b[2]), negative(a[2]), b[1])
     y = add_product(add_product(multiply(scale, a[1]), a[2], b[0]), negative(a[0]), b[2])
     z = add_product(add_product(multiply(scale, a[2]), a[0], b[1]), negative(a[1]), b[0])
@@ -268,11 +271,16 @@ def _scaled_plus_cross(scale: Number, a: Vector, b: Vector) -> Vector:
 
 @kernel
 def see_world_vector(series: Table, constants: Table, row: int, column: int) -> None:
-    """Write order 0 of q̄ v q, a vector v constant in the world as seen from the principal axes.
+    """Write order 0 of q̄ v q: a vector v that is constant in the world, along the principal axes.
 
-    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that put 1 for the norm of q are
-    shorter,
-    but disagree with Γ' = Γ × ω where rounding has changed it; this one only scales Γ.
+    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that take the norm of q for 1 are
+    shorter, but disagree with Γ' = Γ × ω where rounding has changed the norm; this formula only
+    scales Γ.
+
+    Parameters
+    ----------
+    row : row of the constants that holds v
+    column : column of the series from which on the result is written
     """
     q0 = load(series, 0, Q)
     q = _vector(series, 0, Q + 1)

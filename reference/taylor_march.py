@@ -49,7 +49,10 @@ CLOCK_TICK = 2.0**-104
 
 @kernel
 def _size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
-    """Return the 1-norm of columns first to last − 1: unlike a maximum, it is NaN if any is."""
+    """Return the 1-norm of columns first to last − 1 of row n.
+
+    Unlike a maximum it is NaN if any of the numbers is.
+    """
     total = 0.0
     for i in range(first, last):
         total += abs(coefficients[n, i])
@@ -58,11 +61,11 @@ def _size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
 
 @kernel
 def step_size(coefficients: FloatArray, order: int) -> float:
-    """Return the step for which the last term is e⁻²ᴺ of the state, from the last two orders.
+    """Return the step, s, at which the last term of the series is e⁻²ᴺ of the state.
 
-    As Jorba & Zou 2005, section 3, with q measured against 1 and ω against the larger of
-    itself and its change in the step, so that a body may start from rest. Infinite for a body
-    at rest, 0 where numbers overflowed.
+    It is computed from the last two of N orders, as in Jorba & Zou 2005, section 3. The size of the
+    state is 1 for q, and for ω the larger of ‖ω‖ and its change in the step, so that a body may
+    start from rest. It is infinite for a body that stays at rest, and 0 where numbers overflowed.
     """
     speed = _size(coefficients, 0, OMEGA, OMEGA + 3)
     gain = _size(coefficients, 1, OMEGA, OMEGA + 3)
@@ -85,7 +88,13 @@ def step_size(coefficients: FloatArray, order: int) -> float:
 def evaluate(
     series: Tables, total: int, paired: int, t: DoubleDouble, state: FloatArray, low: FloatArray
 ) -> None:
-    """Write the state at time t from the centre, by Horner's rule."""
+    """Write the state at a time t from the centre of the series, by Horner's rule.
+
+    Parameters
+    ----------
+    total, paired : number of orders, and how many of them are in double-double
+    state, low : high and low parts of the state, which are written, (STATE,)
+    """
     high_orders, low_orders = series
     for i in range(STATE):
         state[i], low[i] = 0.0, 0.0
@@ -107,7 +116,10 @@ def _stop_if_stopped(series: Table) -> None:
 
 @kernel
 def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
-    """Complete order 0 of the series, whose state is given, by the vectors fixed in the world."""
+    """Write the vectors that are fixed in the world into order 0 of a series.
+
+    Order 0 has the state already.
+    """
     if terms.linear:
         _stop_if_stopped(series)
     for v in range(len(WORLD_VECTORS)):
@@ -119,7 +131,7 @@ def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
 def _expand(
     series: Tables, constants: Tables, inverses: Tables, terms: Terms, total: int, paired: int
 ) -> None:
-    """Fill all orders of the series from the state in order 0."""
+    """Compute all orders of a series from the state in order 0, the first `paired` in pairs."""
     start_from_state(series, constants, terms)
     extend(series, constants, inverses, terms, 0, paired)
     extend(series[0], constants[0], inverses[0], terms, paired, total)
@@ -140,7 +152,10 @@ def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> b
 
 @kernel
 def _lifts_off(series: FloatArray, constants: FloatArray, total: int, h: float) -> float:
-    """Return the time from the centre at which a body leaves its table in a step, or inf."""
+    """Return the time, from the start of a step of length h, at which a body leaves its table.
+
+    It is inf if the body does not leave the table in the step.
+    """
     before = 0.0
     for k in range(LOOKS + 1):
         after = h * k / LOOKS
@@ -169,10 +184,21 @@ def march(
     first: int,
     steps: int,
 ) -> tuple[int, int]:
-    """Fill states (n, STATE) from sample `first` on, in a limited number of steps.
+    """Write the states at sample times, from sample `first` on, in a limited number of steps.
 
-    Order 0 of `series` holds the state at the time on the clock, (hi, lo); both advance.
-    Returns why it ended, one of the codes above, and the index of the first sample not yet filled.
+    Parameters
+    ----------
+    constants, inverses, terms : as for `extend`
+    paired : number of orders that are in double-double
+    series : order 0 has the state at the time `clock`; it is overwritten
+    clock : the time, as high and low part, s, (2,); it is advanced
+    times : sample times, s, (n,)
+    states : high and low parts of the states, which are written, (n, STATE) each
+    steps : largest number of steps
+
+    Returns
+    -------
+    Why the march ended, one of the codes above, and the index of the first sample not written
     """
     total = series[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

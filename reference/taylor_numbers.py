@@ -1,6 +1,7 @@
 """The operations on numbers in recurrences of a Taylor series, for doubles and double-doubles.
 
-A table of numbers is one array, or two: (high parts, low parts). Each function here has a body
+Numbers are held in a table: one array of doubles, or two arrays, high and low parts of
+double-doubles ("pairs"). Each function here has a body
 for doubles and another for pairs, and numba picks one by type when it compiles: a recurrence is
 written once and runs at full speed in either arithmetic. `dual_numbers` adds bodies for duals.
 """
@@ -22,7 +23,7 @@ FOR_DUALS: dict[Callable[..., Any], Callable[..., Any]] = {}
 
 
 def for_pairs(in_double_double: Callable[..., Any]) -> Callable[[Any], Any]:
-    """Decorate the body for doubles, so that compiled code runs `in_double_double` on pairs.
+    """Decorate a function for doubles so that compiled code runs another function on pairs.
 
     The type of the first argument decides; for duals the body in `FOR_DUALS` is run.
     """
@@ -60,13 +61,13 @@ def store(table: Table, row: int, column: int, x: Number) -> None:
 
 @for_pairs(lambda table: table[0])
 def high(table: Table) -> Table:
-    """Return the high parts of a table, the doubles nearest to its numbers."""
+    """Return the high parts of a table of numbers: the doubles nearest to them."""
     return table
 
 
 @for_pairs(lambda _: (0.0, 0.0))
 def zero(_: Table) -> Number:
-    """Return 0 as a number of a table."""
+    """Return 0 in the arithmetic of a table's numbers."""
     return 0.0
 
 
@@ -91,13 +92,13 @@ def _reciprocal(a: DoubleDouble) -> DoubleDouble:
 
 @for_pairs(lambda a: _reciprocal(a))
 def reciprocal(a: Number) -> Number:
-    """Return 1/a; for a pair by a step of Newton's method from the double."""
+    """Return 1/a; for a pair by one step of Newton's method from the double-precision result."""
     return 1.0 / a
 
 
 @for_pairs(lambda a: dd_neg(a))
 def negative(a: Number) -> Number:
-    """Return -a."""
+    """Return −a."""
     return -a
 
 
@@ -110,16 +111,17 @@ def _add_product(total: DoubleDouble, a: DoubleDouble, b: DoubleDouble) -> Doubl
 
 @for_pairs(lambda total, a, b: _add_product(total, a, b))
 def add_product(total: Number, a: Number, b: Number) -> Number:
-    """Return total + a b, to be finished by `rounded`.
+    """Return total + a b; once all products are added, `rounded` makes a number of the total.
 
-    In double-double the rounding errors are summed beside the sum, not folded in term by term:
-    a dot product in twice the working precision, at half the work of sums of products and with
-    an error bound of n u² times the sum of sizes (Ogita, Rump & Oishi 2005, algorithm 5.3).
+    In double-double the rounding errors are added up in a sum of their own and not folded in term
+    by term. This is a dot product in twice the working precision, which takes half the work of sums
+    of products; its error is at most n u² times the sum of the terms' sizes (Ogita, Rump & Oishi
+    2005, algorithm 5.3).
     """
     return fma(a, b, total)
 
 
 @for_pairs(lambda total: two_sum(total[0], total[1]))
 def rounded(total: Number) -> Number:
-    """Return the sum that `add_product` built, as a number."""
+    """Return the sum that calls of `add_product` have built, as a number."""
     return total

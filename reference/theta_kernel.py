@@ -60,7 +60,11 @@ class ThetaTables(NamedTuple):
 
 @kernel
 def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, float]:
-    """Return a time as whole cells and the rest, a double-double in [-1/2, 1/2] cells."""
+    """Return the argument at a time t in cells, split into whole cells and a rest.
+
+    The rest is a double-double, high and low part, in [-1/2, 1/2] cells; of an endless motion it is
+    the whole argument.
+    """
     p, e = two_prod(t, clock[0, 0])
     s, f = two_sum(p, clock[1, 0])
     cell = 0.0 if endless else np.rint(s)
@@ -70,7 +74,7 @@ def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, flo
 
 @kernel
 def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
-    """Return cosine and sine of a phase of (t phase[0] + phase[1] + cell phase[2]) turns."""
+    """Return cosine and sine of a phase that is t · phase[0] + phase[1] + cell · phase[2] turns."""
     p, e = two_prod(t, phase[0, 0])
     r, f = two_prod(cell, phase[2, 0])
     s, g = two_sum(p - np.rint(p), r - np.rint(r))
@@ -159,7 +163,14 @@ def _quotients(t: float, tables: ThetaTables, values: FloatArray) -> None:
 def evaluate(
     tables: ThetaTables, times: FloatArray, q_world_axes: FloatArray, omega_axes: FloatArray
 ) -> None:
-    """Write the motion at times (n,) into q_world_axes (n, 4), w x y z, and omega_axes (n, 3)."""
+    """Write the motion at given times into two arrays.
+
+    Parameters
+    ----------
+    times : s, (n,)
+    q_world_axes : attitudes, w x y z, which are written, (n, 4)
+    omega_axes : ω along the principal axes, rad/s, which is written, (n, 3)
+    """
     values = np.empty((ROWS, 2))
     left = (tables.left[0], tables.left[1], tables.left[2], tables.left[3])
     right = (tables.right[0], tables.right[1], tables.right[2], tables.right[3])

@@ -1,8 +1,7 @@
 """Motions whose Cayley–Klein parameters are quotients of theta functions.
 
 In a frame fixed in the top and one fixed in the world, which each class of top chooses, the
-attitude
-q = (Re A, −Im B, Re B, Im A) and the angular velocity W = ω2 + iω1, ω3 are::
+attitude q = (Re A, −Im B, Re B, Im A) and the angular velocity W = ω2 + iω1, ω3 are::
 
     A, B, W = G e^{iΩt} θ(x − iη)/θ4(x)^(1 or 1/2)        x = x' t + x0
 
@@ -43,8 +42,8 @@ class ClosedForm:
     tables : constants of the motion
     residual : relative error with which the constants solve the equations of motion;
         a rounding error of extended precision if the formulas are right
-    period : of the angular velocity (a free body) or of the nutation (a heavy top), s; inf on a
-        separatrix, None where neither varies
+    period : period of the angular velocity of a free body, or of the nutation of a heavy top, s;
+        inf on a separatrix, None where neither varies
     """
 
     label: str
@@ -75,8 +74,9 @@ class Clock:
 
     Attributes
     ----------
-    rate : rad/s
-    start : rad, at most half a cell
+    lattice : periods of the theta functions
+    rate : dx/dt, rad/s
+    start : x at t = 0, rad, at most half a period ("cell") of the argument
     """
 
     lattice: Lattice
@@ -90,7 +90,16 @@ class Clock:
 
 
 class Quotient(NamedTuple):
-    """A complex function of time: numerator over √θ4^power, times a phase factor."""
+    """A complex function of time: numerator over √θ4^power, times a phase factor.
+
+    Attributes
+    ----------
+    real, imaginary : series of the numerator's real and imaginary part
+    halved : whether these series are in x/2
+    power : power of √θ4 in the denominator
+    turns_per_second, turns_at_start, turns_per_cell : the phase, in turns: its rate, its value at
+        t = 0, and its change by each period of the argument x
+    """
 
     real: Harmonics
     imaginary: Harmonics
@@ -109,7 +118,7 @@ class InitialValue(NamedTuple):
 
 
 class Frames(NamedTuple):
-    """The turns from the frames of A, B and W to the world and the principal axes.
+    """The rotations from the frames of A, B and W to the world and to the principal axes.
 
     Attributes
     ----------
@@ -134,7 +143,10 @@ def turning(value: mpc, rate: mpf = 0) -> Quotient:
 
 
 def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Quotient:
-    """Return a quotient over θ4 that has no phase except half a turn a cell if it changes sign."""
+    """Return a quotient over θ4 without a phase, except for what it turns in each cell.
+
+    `turns_per_cell` is half a turn for a function that changes its sign in each cell, else 0.
+    """
     return Quotient(real, imaginary, False, 2, mpf(0), mpf(0), turns_per_cell)
 
 
@@ -143,13 +155,20 @@ def fitted(
 ) -> tuple[Quotient, mpf]:
     """Return the quotient that solves f' = f · log_rate(x) from a given start.
 
-    Ω = log_rate − (ln θ/√θ4^power)' is the same at every x: it is computed at one x and
-    checked at another. G fits value and derivative at t = 0 by least squares, for one of the two
-    may vanish.
+    iΩ = log_rate − (ln θ/√θ4^power)' is the same at every x: it is computed at one x and checked at
+    another. G is fitted to value and derivative at t = 0 by least squares, as one of the two may
+    vanish.
+
+    Parameters
+    ----------
+    numerator : θ
+    power : power of √θ4 in the denominator
+    start : f and f' at t = 0
+    log_rate : f'/f, 1/s, as a function of x
 
     Returns
     -------
-    the quotient, and its relative residual: of Ω, and of the fit
+    The quotient, and the sum of the relative residuals of Ω and of the fit
     """
     rates = []
     for x in CHECKED:
@@ -184,7 +203,7 @@ def tables(clock: Clock | None, quotients: Sequence[Quotient], frames: Frames) -
 
     Parameters
     ----------
-    clock : None if all quotients are `turning`
+    clock : the argument of the theta functions; None if all quotients are made by `turning`
     quotients : A, B, W and ω3
     """
     denominator = ONE if clock is None else clock.theta4.real

@@ -15,7 +15,13 @@ from .trajectory import Trajectory
 
 @dataclass(frozen=True, eq=False)
 class ErrorSeries:
-    """Distances of a motion from the exact one by sample, (n, signals), or (n,) by signal name."""
+    """Distances of a motion from the exact motion at n samples, in each signal.
+
+    Attributes
+    ----------
+    signals : the signals that the scene has
+    distances : the distance in each signal, (n, signals); ``series[name]`` is that in one, (n,)
+    """
 
     signals: tuple[Signal, ...]
     distances: FloatArray
@@ -26,7 +32,10 @@ class ErrorSeries:
         return column
 
     def first_beyond(self, name: str, bound: float) -> int | None:
-        """Return the first sample at which a signal is further off than `bound`, or None."""
+        """Return the index of the first sample at which a signal's distance exceeds a bound.
+
+        A distance that is NaN counts as beyond it. None if there is no such sample.
+        """
         beyond = np.flatnonzero(~(self[name] <= bound))
         return int(beyond[0]) if len(beyond) else None
 
@@ -38,9 +47,10 @@ class ErrorSeries:
 
 @dataclass(frozen=True, eq=False)
 class ErrorNorm:
-    """The norm of errors against one exact motion.
+    """The norm of errors of motions from one exact motion.
 
-    Motions are converted to tables of signals, and tables have distances from each other.
+    A motion is converted to an array of all its signals side by side, called its table; distances
+    are those of two such tables.
     """
 
     scenario: Scenario
@@ -57,14 +67,14 @@ class ErrorNorm:
 
     @cached_property
     def true_table(self) -> FloatArray:
-        """The table of the exact motion, (n, columns of all signals)."""
+        """All signals of the exact motion side by side, SI, (n, columns of all signals)."""
         return self.table(self.exact)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
-        """Return the distances of two motions, (n, signals); q and −q are the same attitude.
+        """Return the distances of two motions in each signal, (n, signals), given their tables.
 
-        If the base of a signal is zero, its distance is 0 where the two are equal and inf
-        elsewhere.
+        Quaternions q and −q are the same attitude. If the number that a signal's distances are
+        relative to is zero, a distance is 0 where both motions are equal and inf elsewhere.
         """
         apart = table - other
         first = [columns.start for columns in self._columns]
@@ -91,7 +101,7 @@ class ErrorNorm:
 
         Parameters
         ----------
-        coarse, fine : tables at dt and at dt / 2
+        coarse, fine : tables of motions with timestep dt and with timestep dt / 2
         orders : order of accuracy of each signal, (signals,)
         """
         widths = [columns.stop - columns.start for columns in self._columns]
@@ -103,7 +113,10 @@ class ErrorNorm:
         return limit
 
     def _values(self, signal: Signal, motion: Trajectory) -> FloatArray:
-        """Return a signal of a motion; quaternions have unit norm and the exact motion's sign."""
+        """Return the values of a signal along a motion, SI, (n,) or (n, columns).
+
+        Quaternions are normalised, and have the sign nearer to the exact motion's.
+        """
         values = signal.values(self.scenario, motion)
         if signal.kind != "quaternion":
             return values
@@ -113,7 +126,7 @@ class ErrorNorm:
 
     @cached_property
     def _bases(self) -> FloatArray:
-        """The number that the distance in each signal is relative to, (signals,)."""
+        """The numbers that distances in each signal are relative to, (signals,)."""
         return np.array([signal.base(self.scenario, self.exact) for signal in self.signals])
 
     @cached_property
@@ -142,13 +155,13 @@ def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> E
 
 
 def errors_between(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Errors:
-    """Return the errors of `motion` against `exact`: of each signal, the largest."""
+    """Return the error of `motion` in each signal: its largest distance from `exact`."""
     return error_series(scenario, motion, exact).worst()
 
 
 @lru_cache(maxsize=RECENT)
 def norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
-    """Return the norm of errors against an exact motion; kept for all runs of the scene."""
+    """Return the norm of errors from an exact motion; it is kept for all runs of the scene."""
     return ErrorNorm(scenario, exact)
 
 

@@ -19,11 +19,11 @@ KEPT = 64
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A rigid body in its own frame; a `Body` that exists has valid numbers.
+    """A rigid body in its own frame; its numbers are checked when it is made.
 
     Attributes
     ----------
-    mass_exact : kg
+    mass_exact : mass, kg
     com_exact : centre of mass from the body's origin, m, body axes
     inertia_com_exact : inertia tensor about the centre of mass, kg m², body axes
 
@@ -85,7 +85,10 @@ class Body:
 
 @lru_cache(maxsize=KEPT)
 def _ascending(tensor: Tensor) -> FloatArray:
-    """Return the principal moments of a tensor; kept, as a body is moved with its tensor."""
+    """Return the principal moments of a tensor, ascending, kg m², (3,).
+
+    They are kept, since the same tensor is often asked for with another com.
+    """
     with mp.workdps(DIGITS):
         if all(tensor[i][j] == 0 for i in range(3) for j in range(3) if i != j):
             moments = sorted(tensor[i][i] for i in range(3))
@@ -95,20 +98,20 @@ def _ascending(tensor: Tensor) -> FloatArray:
 
 
 def body_about_com(mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]) -> Body:
-    """A body whose tensor is given about its centre of mass."""
+    """Return a body whose inertia tensor, kg m², is given about its centre of mass."""
     return Body(mpf(mass), vector(com), _tensor(inertia))
 
 
 def body_about_origin(
     mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]
 ) -> Body:
-    """A body whose tensor is given about its origin."""
+    """Return a body whose inertia tensor, kg m², is given about its origin."""
     arm = vector(com)
     return Body(mpf(mass), arm, add(_tensor(inertia), steiner(mpf(mass), arm), sign=-1))
 
 
 def body_of_particles(particles: Sequence[Sequence[float]]) -> Body:
-    """A rigid body made of point masses, rows of mass (kg) and x, y, z (m).
+    """Return the rigid body of point masses, given as rows of mass, kg, and x, y, z, m.
 
     I_jk = Σ m (r² δ_jk − r_j r_k), summed exactly (Goldstein, Classical Mechanics, §5.3).
     """

@@ -17,15 +17,16 @@ MOST_ENTRIES = 50_000
 
 
 def scenario_files(folder: Path) -> list[Path]:
-    """Return every scenario below a folder, sorted by path; other TOML files are passed over.
+    """Return the paths of all scenario files in a folder and its folders, sorted.
 
-    Links to folders are not followed, and hidden folders are not entered.
+    Other TOML files are ignored. Links to folders are not followed, and hidden folders are not
+    entered.
 
     Raises
     ------
     ScenarioError
-        If it holds more than `MOST_ENTRIES` files and folders, or two files share a name: a scene
-        is known by its file's stem.
+        If there are more than `MOST_ENTRIES` files and folders, or if two scenario files have the
+        same stem, which is the scene's name.
     """
     paths = [path for path in sorted(_toml_files(folder)) if is_scenario(path)]
     _check_unique(paths)
@@ -33,9 +34,9 @@ def scenario_files(folder: Path) -> list[Path]:
 
 
 def hiding_the_library(names: Iterable[str]) -> list[str]:
-    """Return a sentence for each name that means a file in the current folder, not the library's.
+    """Return a warning for each name of a library scene that means a file of the current folder.
 
-    Only names that the library has, too, are reported.
+    A name is what a user types for a scene or a folder of scenes.
     """
     there = {path: name for name in names for path in _of_current_folder(name)}
     known = {one for path in _library() for one in (path.stem, path.parent.name)} if there else ()
@@ -48,15 +49,16 @@ def hiding_the_library(names: Iterable[str]) -> list[str]:
 
 
 def find(names: Iterable[str]) -> list[Path]:
-    """Return the scenario files that a user named: files, folders, library scenes, library folders.
+    """Return the paths of the scenario files that a user names.
 
-    A file of the current folder may be named without its ending. Without names, the whole library
-    is returned.
+    A name may be that of a file, a folder, a scene of the library or a folder of the library. A
+    file of the current folder may be named without its ending. Without names, the whole library is
+    returned.
 
     Raises
     ------
     ScenarioError
-        If a name is none of these, a folder holds no scenario, or two files share a name.
+        If a name is none of these, a folder holds no scenario, or two files have the same name.
     """
     names = list(names)
     paths = [path for name in names for path in _find_one(name)] if names else _library()

@@ -35,7 +35,16 @@ _IN_TOML = {
 
 
 def validation_message(details: list[ErrorDetails], text: str, where: str) -> str:
-    """Return the message: one line for each key, however many of its entries are wrong."""
+    """Return the message about errors that pydantic found in a scenario file.
+
+    It has one line for each key, however many of its entries are wrong.
+
+    Parameters
+    ----------
+    details : pydantic's errors
+    text : the file
+    where : name of the file
+    """
     lines: dict[Keys, str] = {}
     for detail in details:
         keys = _keys(detail)
@@ -47,17 +56,23 @@ def validation_message(details: list[ErrorDetails], text: str, where: str) -> st
 
 
 def misfit(error: Misfit, text: str, where: str) -> str:
-    """Return the complaint about values that are each right but do not go together."""
+    """Return the message about values of a file, each valid, that do not go together.
+
+    Parameters
+    ----------
+    text : the file
+    where : name of the file
+    """
     return at(where, line_of(text, error.keys), f"{_spell(error.keys)}{error}")
 
 
 def at(where: str, line: int | None, complaint: str) -> str:
-    """Return a complaint with file and line before it."""
+    """Return a complaint with the file's name `where`, and the line if known, before it."""
     return f"{where}:{line}: {complaint}" if line else f"{where}: {complaint}"
 
 
 def _keys(detail: ErrorDetails) -> Keys:
-    """Return the path of keys in the file to the place of an error."""
+    """Return the path of keys, and of indices in arrays, to the place of an error in the file."""
     keys = detail["loc"]
     # Names of union arms are pydantic's own, not the file's.
     loc = tuple(k for n, k in enumerate(keys) if n == 0 or (keys[n - 1], k) not in _UNION_ARMS)
@@ -66,7 +81,7 @@ def _keys(detail: ErrorDetails) -> Keys:
 
 
 def _without_entries(keys: Keys) -> Keys:
-    """Return the keys without trailing indices into arrays: down to the key of the value."""
+    """Return a path of keys without trailing indices into arrays, so that it ends with a key."""
     least = 2 if keys[:1] and keys[0] in _TABLE_ARRAYS else 1
     while len(keys) > least and isinstance(keys[-1], int):
         keys = keys[:-1]
@@ -79,7 +94,7 @@ def _explain(detail: ErrorDetails, keys: Keys) -> str:
 
 
 def _spell(keys: Keys) -> str:
-    """Return ("body", "com", 1) as "[body] com[1]: "."""
+    """Return a path of keys as users read it: "[body] com[1]: " for ("body", "com", 1)."""
     if not keys:
         return ""
     tables = [key for key in keys if isinstance(key, str)]
@@ -127,7 +142,7 @@ def _unknown_key(key: str, known_keys: Iterable[str]) -> str:
 
 
 def _known_keys(table: Keys) -> list[str]:
-    """Return the keys that the format has in a table of the file."""
+    """Return the keys that the format allows in a TOML table, given the path of keys to it."""
     model: type[BaseModel] = Document
     for key in table:
         if isinstance(key, str):
@@ -136,7 +151,7 @@ def _known_keys(table: Keys) -> list[str]:
 
 
 def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
-    """Yield the table models inside an annotation like ``Table | None``, ``tuple[Table, ...]``."""
+    """Yield the pydantic models inside a type such as ``Table | None`` or ``tuple[Table, ...]``."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
     for arm in get_args(annotation):

@@ -47,17 +47,19 @@ class Constraint:
         Parameters
         ----------
         lever_world : the lever at these attitudes, m
-        flown_world : position of the centre of mass along axes that are not held, m
+        flown_world : position of the centre of mass in free flight, which holds along axes that
+            are not held, m
         """
         place_world = np.array(self.place_exact, dtype=float)
         return np.where(self.is_held, place_world + lever_world, flown_world)
 
     def velocity_world(self, swing_world: FloatArray, flown_world: FloatArray) -> FloatArray:
-        """Return the velocity of the centre of mass, m/s, (n, 3) or (3,).
+        """Return the velocity of the centre of mass in given states, m/s, (n, 3) or (3,).
 
         Parameters
         ----------
-        swing_world : ω × lever, m/s
-        flown_world : velocity of the centre of mass along axes that are not held, m/s
+        swing_world : ω × lever in these states, m/s
+        flown_world : velocity of the centre of mass in free flight, which holds along axes that
+            are not held, m/s
         """
         return np.where(self.is_held, swing_world, flown_world)

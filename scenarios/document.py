@@ -104,9 +104,10 @@ class BodyTable(Table):
         return self
 
     def _asymmetric(self) -> tuple[int, int, float, float] | None:
-        """Row and column of a product of inertia that is another one across the diagonal, and both.
+        """Return row and column of an asymmetric product of inertia, the product, and its mirror.
 
-        Products that differ by rounding, as of a matrix R D Rᵀ, are the same.
+        Products that differ by rounding only, as of a matrix R D Rᵀ, count as equal. It is None if
+        all are equal, or if the inertia is not a matrix.
         """
         if self.inertia is None or not isinstance(self.inertia[0], tuple):
             return None
@@ -190,7 +191,7 @@ class Published(Table):
         return self
 
     def values(self) -> dict[str, Any]:
-        """The stated quantities, by name; None for components that are not stated."""
+        """Return the stated quantities by name; components that are not stated are None."""
         fields = self.model_dump(exclude={"t", "tolerance", "source"})
         return {
             name: tuple(value.values()) if isinstance(value, dict) else value
@@ -200,7 +201,7 @@ class Published(Table):
 
 
 def _with_bounds(model: type[T]) -> type[T]:
-    """Return the table model with a key added for each signal: a bound on the error in it."""
+    """Return a table's model with a key added for each signal: a bound on the signal's error."""
     bounds: dict[str, Any] = {
         signal.name: (Positive | None, Field(None, description=f"bound on the error in {signal}"))
         for signal in SIGNALS
@@ -226,7 +227,7 @@ class Expect(Table):
         return self
 
     def bounds(self) -> dict[str, float]:
-        """The stated bounds on errors, by signal."""
+        """Return the stated bounds on errors, by the names of the signals."""
         return {name: getattr(self, name) for name in SIGNAL if getattr(self, name) is not None}
 
 
@@ -296,7 +297,7 @@ class Document(Table):
 
 @lru_cache(maxsize=1)
 def _body(table: BodyTable) -> Body:
-    """Return the body of a table, kept between the check of the table and its use."""
+    """Return the body that `[body]` describes; it is kept between the check and the use."""
     if table.particles is not None:
         return body_of_particles(table.particles)
     mass, matrix = table.mass, table.inertia_matrix

@@ -10,11 +10,11 @@ class ScenarioError(ValueError):
 
 
 class Misfit(ValueError):
-    """A value that does not go with others, or that no scene can have.
+    """A value in a scene file that does not go with others, or that no scene can have.
 
     Attributes
     ----------
-    keys : the path of keys from the place of this error to the value that is wrong
+    keys : the path of keys to the wrong value, from the table in which the error is raised
     """
 
     def __init__(self, message: str, *keys: int | str) -> None:
@@ -34,7 +34,10 @@ def is_control(character: str) -> bool:
 
 
 def printable(text: str, limit: int | None = None) -> str:
-    """Return foreign text on one line: control characters as escapes, cut off at a limit."""
+    """Return text from outside the program on one line, safe for a terminal.
+
+    Control characters become escapes, and what exceeds `limit` characters is cut off.
+    """
     if limit is not None and len(text) > limit:
         text = f"{text[:limit]}…"
     if text.isprintable():

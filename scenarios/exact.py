@@ -23,23 +23,23 @@ _AXES: Tensor = ((mpf(1), mpf(0), mpf(0)), (mpf(0), mpf(1), mpf(0)), (mpf(0), mp
 
 
 def exact(values: Sequence[float]) -> tuple[mpf, ...]:
-    """Doubles as exact extended-precision numbers."""
+    """Return doubles as numbers in extended precision, without rounding."""
     return tuple(mpf(value) for value in values)
 
 
 def vector(values: Iterable[float]) -> Vector:
-    """Three doubles as exact extended-precision numbers."""
+    """Return a vector of three doubles in extended precision, without rounding."""
     x, y, z = map(mpf, values)
     return (x, y, z)
 
 
 def dot(a: Sequence[mpf], b: Sequence[mpf]) -> mpf:
-    """a · b."""
+    """Return a · b, at the caller's precision."""
     return mp.fdot(a, b)
 
 
 def cross(a: Sequence[mpf], b: Sequence[mpf]) -> Vector:
-    """a × b; of floats as of extended numbers."""
+    """Return a × b, of floats or of numbers in extended precision."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -48,7 +48,7 @@ def cross(a: Sequence[mpf], b: Sequence[mpf]) -> Vector:
 
 
 def product(p: Quaternion, q: Quaternion) -> Quaternion:
-    """Hamilton product p q, scalar first."""
+    """Return Hamilton's product p q of quaternions, scalar first."""
     (p0, p1, p2, p3), (q0, q1, q2, q3) = p, q
     return (
         p0 * q0 - p1 * q1 - p2 * q2 - p3 * q3,
@@ -59,17 +59,20 @@ def product(p: Quaternion, q: Quaternion) -> Quaternion:
 
 
 def conjugate(q: Quaternion) -> Quaternion:
-    """The inverse of a unit quaternion."""
+    """Return the conjugate of a quaternion, which is the inverse of a unit quaternion."""
     return (q[0], -q[1], -q[2], -q[3])
 
 
 def rotate(q: Quaternion, v: Vector) -> Vector:
-    """q v q*: with q_world_body, body components to world components."""
+    """Return q v q*: v turned by a unit quaternion.
+
+    With q_world_body it takes body components to world components.
+    """
     return product(product(q, (mpf(0), *v)), conjugate(q))[1:]
 
 
 def normalised(q: Sequence[Any]) -> Quaternion:
-    """q divided by its norm."""
+    """Return a quaternion divided by its norm, in extended precision."""
     w, x, y, z = (mpf(c) for c in q)
     with mp.workdps(DIGITS):
         norm = mp.sqrt(w * w + x * x + y * y + z * z)
@@ -77,9 +80,9 @@ def normalised(q: Sequence[Any]) -> Quaternion:
 
 
 def from_euler_zyz_deg(angles_deg: Sequence[float]) -> Quaternion:
-    """R = Rz(α) Ry(β) Rz(γ), angles in degrees (Fetter & Walecka §29).
+    """Return the quaternion of R = Rz(α) Ry(β) Rz(γ), angles in degrees (Fetter & Walecka §29).
 
-    ``cospi`` and ``sinpi`` make right angles exact.
+    Right angles are exact, by ``cospi`` and ``sinpi``.
     """
     with mp.workdps(DIGITS):
         alpha, beta, gamma = (mpf(angle) / 360 for angle in angles_deg)
@@ -93,7 +96,7 @@ def from_euler_zyz_deg(angles_deg: Sequence[float]) -> Quaternion:
 
 
 def from_rotation_vector_deg(vector_deg: Sequence[float]) -> Quaternion:
-    """A rotation by the vector's length, in degrees, about its direction."""
+    """Return the quaternion of a rotation by a vector's length, in degrees, about its direction."""
     with mp.workdps(DIGITS):
         x, y, z = (mpf(c) for c in vector_deg)
         angle_deg = mp.sqrt(x * x + y * y + z * z)
@@ -104,7 +107,10 @@ def from_rotation_vector_deg(vector_deg: Sequence[float]) -> Quaternion:
 
 
 def omega_body_from_zyz_rates(angles_deg: Sequence[float], rates: Sequence[float]) -> Vector:
-    """Body components of ω from the rates α̇, β̇, γ̇ in rad/s (Fetter & Walecka eq. 29.7)."""
+    """Return ω in body axes, rad/s, given ZYZ Euler angles and their rates.
+
+    The formula is Fetter & Walecka eq. 29.7; angles are in degrees, rates in rad/s.
+    """
     with mp.workdps(DIGITS):
         beta, gamma = (mpf(angle) / 180 for angle in angles_deg[1:])
         alpha_rate, beta_rate, gamma_rate = (mpf(rate) for rate in rates)
@@ -117,7 +123,10 @@ def omega_body_from_zyz_rates(angles_deg: Sequence[float], rates: Sequence[float
 
 
 def steiner(mass: mpf, arm: Vector) -> Tensor:
-    """Inertia of a point mass at ``arm``: m (|r|² 1 − r rᵀ), kg m² (the parallel-axis theorem)."""
+    """Return the inertia of a point mass at a place r, `arm`: m (|r|² 1 − r rᵀ), kg m².
+
+    It is the term that the parallel-axis theorem adds.
+    """
     with mp.workdps(DIGITS):
         square = dot(arm, arm)
         rows = [
@@ -128,13 +137,16 @@ def steiner(mass: mpf, arm: Vector) -> Tensor:
 
 
 def add(a: Tensor, b: Tensor, sign: int = 1) -> Tensor:
-    """a + sign b, entry by entry."""
+    """Return a + sign · b, the sum or difference of two tensors."""
     with mp.workdps(DIGITS):
         return _tensor([[a[i][j] + sign * b[i][j] for j in range(3)] for i in range(3)])
 
 
 def turned_tensor(tensor: Tensor, q: Quaternion) -> Tensor:
-    """Rᵀ I R, R the rotation of q: along axes that q turns from those of I; symmetric."""
+    """Return a tensor I along the axes to which q turns its own axes: Rᵀ I R, R the matrix of q.
+
+    The result is symmetric to the last digit.
+    """
     with mp.workdps(DIGITS):
         axes = [rotate(q, axis) for axis in _AXES]
         images = [tuple(dot(row, axis) for row in tensor) for axis in axes]

@@ -10,8 +10,8 @@ def fastest_rate(scenario: Scenario, omega_body: FloatArray) -> float:
     """Return the fastest rate at which a scene's state can change, rad/s.
 
     It is the largest of |ω| and the rates of effects, such as that of a small swing under gravity.
-    Euler's equations add none: where all moments obey the triangle inequality, |I₁ − I₂| ≤ I₃,
-    their coefficients are at most |ω| (Landau & Lifshitz, Mechanics, §36).
+    Euler's equations have no faster rate: as the moments obey the triangle inequality,
+    |I₁ − I₂| ≤ I₃, their coefficients are at most |ω| (Landau & Lifshitz, Mechanics, §36).
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ FloatArray = NDArray[np.float64]
 
 
 def read_only(values: object) -> FloatArray:
-    """Return a copy of the numbers, marked read-only."""
+    """Return numbers, such as nested lists, as a new array of doubles that is read-only."""
     array = np.array(values, dtype=float)
     array.setflags(write=False)
     return array

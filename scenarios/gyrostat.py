@@ -32,10 +32,12 @@ class Rotor:
 
     Attributes
     ----------
-    axis : unit vector
-    position : of its com, from the body's origin
-    across, along : moments about its com, across and along the axis
-    spin : angular velocity relative to the body, at t = 0
+    axis : the axle as a unit vector
+    position : position of the rotor's com, from the body's origin
+    mass : mass of the rotor
+    across, along : moments about the rotor's com, across and along the axis
+    spin : angular velocity about the axis relative to the body, at t = 0
+    hinge : whether the hinge is frictionless, keeps the spin, or is fixed
     """
 
     axis: Vector
@@ -71,7 +73,7 @@ class Rotor:
 
 @dataclass(frozen=True, eq=False)
 class Rotors:
-    """All rotors of a body; any parts that turn in the body."""
+    """All rotors of a body; false if there are none."""
 
     each: tuple[Rotor, ...]
 
@@ -100,7 +102,10 @@ class Rotors:
 
     @cached_property
     def axial_body(self) -> FloatArray:
-        """C u of each rotor, the factor of its spin in L, kg m², (rotors, 3); 0 if locked."""
+        """C u of each rotor, which times its spin is its part of L, kg m², (rotors, 3).
+
+        It is zero for a locked rotor.
+        """
         return read_only((self.along * self.is_turning)[:, None] * self.axes_body)
 
     @cached_property
@@ -109,28 +114,42 @@ class Rotors:
         return read_only([rotor.spin for rotor in self.each])
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return each hinge's constant, kg m²/s, (n, rotors): C (u·ω + s) if free, else C s."""
+        """Return the angular momentum about its axle that each rotor keeps, kg m²/s, (n, rotors).
+
+        It is C (u·ω + s) on a free hinge and C s on any other, for n states.
+        """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(self.along * (spins + turned))
 
     def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
-        """Return the spins, rad/s, (n, rotors), of rotors whose constants are `kept`."""
+        """Return the spins, rad/s, (n, rotors), of rotors that keep angular momenta `kept`.
+
+        It is the inverse of `Rotors.kept`.
+        """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """Return the vector sum of the hinges' constants, kg m²/s, (n, 3), added to I ω in L."""
+        """Return the vector sum of the angular momenta `kept`, kg m²/s, body axes, (n, 3).
+
+        The angular momentum L is I ω plus this sum, if I leaves out the axial moments of free
+        rotors.
+        """
         return np.asarray(kept @ self.axes_body)
 
     def cancelling(
         self, spins: FloatArray, com_body: FloatArray, far: float = 0.0
     ) -> tuple[FloatArray, FloatArray]:
-        """Return Σ m r s², N, and Σ (C + m d r) s², N m, (n,), d the distance from the com.
+        """Return sizes of terms that cancel in coordinates that turn with a rotor, (n,) each.
 
-        These are sizes of terms that cancel in coordinates that turn with a rotor. Their rounding
-        is
-        relative to r = d + far, where `far` is the distance of the coordinates' origin from the
-        com, m.
+        They are forces, Σ m r s², N, and torques, Σ (C + m d r) s², N m, with d a rotor's distance
+        from the com and r = d + far its distance from the coordinates' origin.
+
+        Parameters
+        ----------
+        spins : spins s of the rotors in n states, rad/s, (n, rotors)
+        com_body : the com, m, body axes, (3,)
+        far : distance of the coordinates' origin from the com, m
         """
         masses = np.array([rotor.body.mass for rotor in self.each])
         places = np.array([rotor.body.com for rotor in self.each]).reshape(-1, 3)
@@ -148,11 +167,11 @@ class Rotors:
         return kept, float(kept @ (kept / self.along)) / 2
 
     def momentum_body(self, spins: FloatArray) -> FloatArray:
-        """Return Σ C s u, kg m²/s, (n, 3), which the rotors add to L."""
+        """Return Σ C s u, the rotors' part of L by their spins, kg m²/s, body axes, (n, 3)."""
         return np.asarray(spins @ self.axial_body)
 
     def energy(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ (C s u·ω + ½ C s²), J, (n,), which the rotors add to T."""
+        """Return Σ (C s u·ω + ½ C s²), the rotors' part of T by their spins, J, (n,)."""
         turned = omega_body @ self.axes_body.T
         return np.asarray((self.along * spins * (turned + spins / 2)).sum(axis=-1))
 
@@ -163,7 +182,7 @@ class Rotors:
 
 
 def whole(body: Body, rotors: Rotors) -> Body:
-    """Return a body with its rotors, as if their hinges were locked.
+    """Return a body together with its rotors as one rigid body, as if their hinges were locked.
 
     Raises
     ------
@@ -188,7 +207,7 @@ def _composed(body: Body, rotors: Rotors) -> Body:
 
 
 def without_free_axes(inertia: Tensor, rotors: Rotors) -> Tensor:
-    """Return the inertia less the axial moments of rotors that turn freely, kg m²."""
+    """Return an inertia tensor minus the axial moments of rotors on free hinges, kg m²."""
     for rotor in rotors.each:
         if rotor.hinge == "free":
             inertia = add(inertia, rotor.about_axis(rotor.along), sign=-1)
@@ -196,7 +215,10 @@ def without_free_axes(inertia: Tensor, rotors: Rotors) -> Tensor:
 
 
 def kept_exact(rotor: Rotor, omega_body: Vector) -> mpf:
-    """Return `Rotors.kept` of one rotor at the start, in extended precision, kg m²/s."""
+    """Return the angular momentum that one rotor keeps, in extended precision, kg m²/s.
+
+    It is `Rotors.kept` at t = 0, when ω is `omega_body`, rad/s.
+    """
     with mp.workdps(DIGITS):
         turned = dot(rotor.axis, omega_body) if rotor.hinge == "free" else mpf(0)
         return rotor.along * (rotor.spin + turned)

@@ -44,7 +44,7 @@ def load(path: str | Path) -> Scenario:
 
 
 def load_each(paths: Iterable[str | Path]) -> tuple[list[Scenario], list[str]]:
-    """Return the scenarios of the files that are right, and what is wrong with the others."""
+    """Return the scenarios of all valid files, and a message for each of the others."""
     scenarios, wrong = [], []
     for path in paths:
         try:
@@ -55,12 +55,17 @@ def load_each(paths: Iterable[str | Path]) -> tuple[list[Scenario], list[str]]:
 
 
 def loads(text: str, name: str, path: Path | None = None) -> Scenario:
-    """Build a scenario from a file's text; `name` stands in for the file's stem.
+    """Return the scenario that the text of a scenario file describes.
+
+    Parameters
+    ----------
+    name : name of the scene, for which `load` takes the file's stem
+    path : the file, for messages and for paths in it; None without a file
 
     Raises
     ------
     ScenarioError
-        As `load`.
+        If the text is not TOML, or breaks a rule of the format.
     """
     where = printable(str(path or name))
     if not is_scene_name(name):
@@ -79,22 +84,23 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
 
 
 def from_tables(tables: Mapping[str, Any], name: str = "scene") -> Scenario:
-    """Return the scenario whose file would hold these tables; `spincheck = 1` may be left out.
+    """Return the scenario whose file would have given TOML tables.
 
     Parameters
     ----------
-    tables : as `tomllib` gives them; NumPy's arrays and numbers may stand for lists and numbers
+    tables : the tables as `tomllib` returns them; NumPy's arrays and numbers may replace lists and
+        numbers, and `spincheck = 1` may be missing
 
     Raises
     ------
     ScenarioError
-        As for `load`.
+        If the tables break a rule of the format.
     """
     return loads(to_toml({MARKER: 1, **_plain(tables)}), name)
 
 
 def _plain(value: Any) -> Any:
-    """Return a value without NumPy's types."""
+    """Return a value with NumPy's arrays and numbers in it replaced by lists and numbers."""
     if isinstance(value, Mapping):
         return {str(key): _plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -103,7 +109,7 @@ def _plain(value: Any) -> Any:
 
 
 def is_scene_name(name: str) -> bool:
-    """Whether a name is safe for a file and a page, which are named after it."""
+    """Whether a scene's name is safe for the files and pages that are named after the scene."""
     short = len(name.encode(errors="replace")) <= LONGEST_NAME
     return short and name[:1].isalnum() and all(c.isalnum() or c in "-_." for c in name)
 
@@ -143,9 +149,9 @@ def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -
 
 
 def _check_origin(scenario: Scenario) -> None:
-    """Check that the file that `[body] model` names has the digest that stands beside its name.
+    """Check that the file that `[body] model` names has the digest in `[body] sha256`.
 
-    A scene without a file of its own has no folder that the name could be relative to.
+    Nothing is checked for a scene without a file, as it has no folder that the name is relative to.
     """
     body = scenario.document.body
     if body.model is None or scenario.path is None:

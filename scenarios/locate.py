@@ -11,7 +11,9 @@ _KEY = re.compile(r"^\s*([\w.\-]+)\s*=")
 
 
 def line_of(text: str, keys: Keys) -> int | None:
-    """The 1-based line of the longest prefix of `keys` that stands in the text.
+    """Return the line, counted from 1, of a key in a TOML file, or else of the table around it.
+
+    It is the line of the longest prefix of `keys` that the text has; None if it has none.
 
     Parameters
     ----------
@@ -27,7 +29,7 @@ def line_of(text: str, keys: Keys) -> int | None:
 
 @lru_cache(maxsize=1)  # every complaint about a file asks for its lines again
 def _key_lines(text: str) -> dict[Keys, int]:
-    """Return the line of every table and key, except keys inside inline tables."""
+    """Return the line of every table and key of a TOML text, except keys inside inline tables."""
     lines: dict[Keys, int] = {}
     table: Keys = ()
     seen: dict[str, int] = {}
@@ -52,7 +54,10 @@ def _table_path(brackets: str, name: str, seen: dict[str, int]) -> Keys:
 
 
 def _open_quote(line: str, quote: str | None) -> str | None:
-    """Return the multi-line string delimiter still open at the line's end, or None."""
+    """Return the delimiter of the multi-line string that is open at the end of a line, or None.
+
+    `quote` is the one that is open at the line's start, or None.
+    """
     for mark in re.findall(r'"""|\'\'\'', line):
         if quote is None:
             quote = mark

@@ -1,4 +1,4 @@
-"""L and energy of a trajectory, by one piece of code for reference and engines alike."""
+"""L and energy of a trajectory, computed by the same code for the reference and for engines."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -16,10 +16,10 @@ RECENT = 16
 
 @lru_cache(maxsize=RECENT)
 def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """L about the pivot, or the com where there is none, kg m²/s, (n, 3), read-only.
+    """Return L about the pivot, or about the com without one, kg m²/s, (n, 3), read-only.
 
-    L = R I_com ω, with the momentum of the parts added to I_com ω, plus m r × v where there is a
-    pivot (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
+    L = R (I_com ω + h), with h the angular momentum of rotors, plus m r × v if there is a pivot
+    (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
     """
     body = scenario.body
     rigid = motion.omega_body @ body.inertia_com
@@ -32,7 +32,10 @@ def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
 
 
 def kinetic_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """T = ½ m v² + ½ ω·I_com ω plus energy of the parts, J, (n,) (Goldstein, eq. 1.31, 5.16)."""
+    """Return T = ½ m v² + ½ ω·I_com ω plus the energy of rotors, J, (n,).
+
+    The formulas are Goldstein, eq. 1.31 and 5.16.
+    """
     body = scenario.body
     omega = motion.omega_body
     rotation: FloatArray = np.einsum("ni,ij,nj->n", omega, body.inertia_com, omega)
@@ -42,18 +45,18 @@ def kinetic_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
 
 
 def potential_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """V, the sum of the potentials of all effects that have one, J, (n,)."""
+    """Return V, the sum of the potentials of all effects that have one, J, (n,)."""
     return _with_effects(scenario, motion, np.zeros(len(motion.t)), lambda effect: effect.potential)
 
 
 @lru_cache(maxsize=RECENT)
 def energy(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """T + V, J, (n,), read-only."""
+    """Return T + V along a motion, J, (n,), read-only."""
     return _readonly(kinetic_energy(scenario, motion) + potential_energy(scenario, motion))
 
 
 def energy_base(scenario: Scene, motion: Trajectory) -> float:
-    """The energy that errors in energy are measured against: max T + m |g| max |r_com|, J."""
+    """Return the energy that errors of energy are relative to: max T + m |g| max |r_com|, J."""
     height = np.linalg.norm(motion.com_world, axis=1).max()
     weight = scenario.body.mass * np.linalg.norm(scenario.gravity_world)
     return float(kinetic_energy(scenario, motion).max() + weight * height)

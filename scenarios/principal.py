@@ -18,7 +18,7 @@ IDENTITY: Tensor = ((ONE, NONE, NONE), (NONE, ONE, NONE), (NONE, NONE, ONE))
 
 @lru_cache(maxsize=KEPT)
 def principal_axes(tensor: Tensor) -> tuple[Vector, Tensor]:
-    """Principal moments and right-handed principal axes.
+    """Return the principal moments of an inertia tensor, and right-handed principal axes.
 
     A tensor that is diagonal keeps its axes and the order of its moments, so that bodies given by
     principal moments are not rotated at all. Equal moments are exactly equal.
@@ -50,10 +50,10 @@ def _merged(low: mpf, middle: mpf, high: mpf) -> Vector:
 
 
 def from_matrix(R: Tensor) -> Quaternion:
-    """Unit quaternion of a rotation matrix, through its largest component.
+    """Return the unit quaternion of a rotation matrix, in extended precision.
 
-    The four candidates are the columns of 4 q qᵀ; the one with the largest diagonal loses no
-    digits (Shepperd, J. Guidance and Control 1 (1978) 223).
+    It is the column of 4 q qᵀ with the largest diagonal entry, normalised, which loses no digits
+    (Shepperd, J. Guidance and Control 1 (1978) 223).
     """
     trace = R[0][0] + R[1][1] + R[2][2]
     diagonal = [1 + trace, *(1 + 2 * R[k][k] - trace for k in range(3))]

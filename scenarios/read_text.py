@@ -19,7 +19,7 @@ _TOO_DEEP = re.compile(rf"(?<![\w\\-])(?:{_PART}[ \t]*+\.[ \t]*+){{{MAX_NESTING}
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a file without its byte-order mark.
+    """Return the text of a scenario file, without a byte-order mark.
 
     Raises
     ------
@@ -53,5 +53,5 @@ def first_key(path: Path) -> str:
 
 
 def is_nested_too_deeply(text: str) -> bool:
-    """Whether a key has so many more parts than any scenario's that parsing would take long."""
+    """Whether a text has a key with so many parts, a.b.c…, that parsing it would take long."""
     return _TOO_DEEP.search(text) is not None

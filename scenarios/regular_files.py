@@ -23,12 +23,12 @@ _AT_ONCE = getattr(os, "O_NONBLOCK", 0)
 
 
 def read_regular(path: Path, limit: int) -> bytes:
-    """Return the bytes of a file, or if it is larger than `limit` its first `limit` + 1 bytes.
+    """Return the bytes of a file; if there are more than `limit`, the first `limit` + 1 of them.
 
     Raises
     ------
     OSError
-        If it cannot be read or is not a regular file.
+        If the file cannot be read or is not a regular file.
     """
     try:
         with open(path, "rb", opener=_opened) as file:
@@ -39,7 +39,7 @@ def read_regular(path: Path, limit: int) -> bytes:
 
 
 def is_own(folder: Path) -> bool:
-    """Whether only this user or root can put code into a folder, or it does not exist yet."""
+    """Whether no one but this user and root can write to a folder; true if it does not exist."""
     try:
         found = folder.stat()
     except FileNotFoundError:
@@ -50,7 +50,10 @@ def is_own(folder: Path) -> bool:
 
 
 def file_name(text: str, taken: Collection[str]) -> str:
-    """Return a text as a file name: characters that file names may have, and none of `taken`."""
+    """Return a file name made of a text, different from all names in `taken`.
+
+    Characters that file names may not have become hyphens; case does not distinguish names.
+    """
     plain = "".join(c if c.isalnum() or c in "-_." else "-" for c in text)
     plain = plain.lstrip("-_.")[:LONGEST_NAME] or "unnamed"
     name, count, others = plain, 1, {other.lower() for other in taken}
@@ -61,17 +64,17 @@ def file_name(text: str, taken: Collection[str]) -> str:
 
 
 def write_new(path: Path, text: str, *, replace: bool = True) -> None:
-    """Write a text as a new file, the same bytes on every system.
+    """Write a text into a new file, with the same bytes on every system.
 
     Parameters
     ----------
-    replace : whether an earlier file of that name is replaced
+    replace : whether a file of the same name is replaced
 
     Raises
     ------
     OSError
-        If it cannot be written; FileExistsError if a file of that name exists and `replace` is
-        false.
+        If the file cannot be written; FileExistsError if a file of that name exists and `replace`
+        is false.
     """
     if not replace and os.path.lexists(path):
         raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
@@ -81,14 +84,15 @@ def write_new(path: Path, text: str, *, replace: bool = True) -> None:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield an empty file beside `path`, which takes its place at the end of the block.
+    """Yield the path of a new empty file, which replaces `path` at the end of the block.
 
-    A reader finds the old file or the new one, each whole. A link of that name is replaced.
+    So a reader finds either the whole old file or the whole new one. If `path` is a link, the link
+    is replaced and not the file that it leads to.
 
     Raises
     ------
     OSError
-        If it cannot be written, or what has that name is a folder, a pipe or a device.
+        If the file cannot be written, or if `path` is a folder, a pipe or a device.
     """
     if os.path.lexists(path) and not path.is_symlink():
         _check(path.lstat().st_mode, path)

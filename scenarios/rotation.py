@@ -6,7 +6,7 @@ from .float_array import FloatArray
 
 
 def matrices(q_wxyz: FloatArray) -> FloatArray:
-    """Rotation matrices of unit quaternions (Diebel 2006, Representing Attitude, §5.6).
+    """Return the rotation matrices of unit quaternions (Diebel 2006, Representing Attitude, §5.6).
 
     Parameters
     ----------
@@ -32,9 +32,9 @@ def matrices(q_wxyz: FloatArray) -> FloatArray:
 
 
 def matrix(q_wxyz: FloatArray) -> FloatArray:
-    """Return the rotation matrix of one quaternion, (4,), bit for bit that of `matrices`, (3, 3).
+    """Return the rotation matrix of one quaternion, (4,), with the same bits as `matrices`.
 
-    It takes a tenth of the time.
+    It is (3, 3), and takes a tenth of the time of `matrices`.
     """
     w, x, y, z = q_wxyz.tolist()
     return np.array(
@@ -47,17 +47,17 @@ def matrix(q_wxyz: FloatArray) -> FloatArray:
 
 
 def turned(R: FloatArray, vectors: FloatArray) -> FloatArray:
-    """R v, row by row: (n, 3, 3) and (n, 3)."""
+    """Return R v for n matrices R, (n, 3, 3), and n vectors v, (n, 3)."""
     return np.asarray(np.einsum("nij,nj->ni", R, vectors))
 
 
 def turned_back(R: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Rᵀ v, row by row: (n, 3, 3) and (n, 3)."""
+    """Return Rᵀ v for n matrices R, (n, 3, 3), and n vectors v, (n, 3)."""
     return np.asarray(np.einsum("nji,nj->ni", R, vectors))
 
 
 def norms(vectors: FloatArray) -> FloatArray:
-    """Return the norms of rows, in half the time of numpy's own function."""
+    """Return the Euclidean norm of each row, (n,), in half the time of numpy's own function."""
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
@@ -93,7 +93,7 @@ def across(v: FloatArray) -> FloatArray:
 
 
 def rotation_vectors(q_from_wxyz: FloatArray, q_to_wxyz: FloatArray) -> FloatArray:
-    """Return the rotation vectors from one attitude to another, along the turned axes, rad, (n, 3).
+    """Return the rotation vectors from one attitude to another, body axes, rad, (n, 3).
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def rotation_vectors(q_from_wxyz: FloatArray, q_to_wxyz: FloatArray) -> FloatArr
 
 
 def turning_of(q_wxyz: FloatArray, rates: FloatArray) -> FloatArray:
-    """Return 2 q⁻¹ q', the angular velocity along body axes, rad/s, (n, 3).
+    """Return the angular velocity 2 q⁻¹ q' of given attitudes and rates, body axes, rad/s, (n, 3).
 
     Parameters
     ----------

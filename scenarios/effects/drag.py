@@ -23,7 +23,7 @@ class DragTable(EffectTable):
 
 
 def _decay(scenario: Scene) -> float:
-    """Return the rate at which drag slows the body about the axis of its least moment, 1/s."""
+    """Return the rate at which drag slows a rotation about the axis of the least moment, 1/s."""
     coefficient = float(scenario.pushed["drag"])
     return coefficient * float(np.linalg.norm(np.linalg.inv(scenario.inertia), 2))
 

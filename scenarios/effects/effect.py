@@ -1,4 +1,4 @@
-"""What the rest of the program needs to know of an effect, and what an effect sees of its scene."""
+"""The class of effects, and the part of a scene that effects' functions may use."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -57,7 +57,10 @@ class EffectTable(Table):
 
 
 class Scene(Protocol):
-    """What effects and signals see of a `Scenario`, which is itself made of effects' tables."""
+    """The part of a `Scenario` that effects and signals use.
+
+    It is a protocol because `Scenario` itself imports the effects.
+    """
 
     @property
     def body(self) -> Body:
@@ -72,14 +75,14 @@ class Scene(Protocol):
         """The parts of the body that turn in it."""
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return the constant angular momentum of each part about its axis, kg m²/s, (n, parts)."""
+        """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors)."""
 
     @property
     def kept_at_start(self) -> FloatArray:
-        """The angular momentum that `kept` returns, at t = 0, kg m²/s, (parts,)."""
+        """The angular momenta of the rotors that `kept` returns, at t = 0, kg m²/s, (rotors,)."""
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """Return the sum of the parts' angular momenta `kept`, kg m²/s, body axes, (n, 3)."""
+        """Return the vector sum of the rotors' momenta `kept`, kg m²/s, body axes, (n, 3)."""
 
     @property
     def constraint(self) -> Constraint:
@@ -102,7 +105,12 @@ class Scene(Protocol):
         """The effects to simulate, in the order of `EFFECTS`."""
 
     def table_of(self, model: type[T]) -> T | None:
-        """Return the table of an effect; None if the scene has none."""
+        """Return an effect's table in the scene file, parsed; None if the scene does not have it.
+
+        Parameters
+        ----------
+        model : class of the parsed table
+        """
 
     def __hash__(self) -> int: ...
 
@@ -122,10 +130,11 @@ Answer = Callable[
 
 @dataclass(frozen=True, eq=False)
 class Extent:
-    """A scene over a time span, as checks of size and of rate see it: mpmath numbers, SI.
+    """A scene over a time span, for checks of its sizes and rates; SI, in extended precision.
 
     Attributes
     ----------
+    scenario : the scene
     span : length of the time span, s
     moments : principal moments about the fixed point, ascending, kg m²
     decay : rate at which effects slow the body, 1/s
@@ -173,33 +182,34 @@ def _no_rate(scenario: Scene) -> float:  # noqa: ARG001
 class Effect:
     """An effect: all that distinguishes it from other effects.
 
-    A function of an effect is only called for scenes that have the effect.
+    Most attributes are functions, which are called only for scenes that have the effect, except
+    `pushed`. "Table" is here the effect's TOML table in a scene file.
 
     Attributes
     ----------
-    name : as engines claim it and results show it
-    table, model : name and format of its table in `[effects]`
-    is_part : whether it adds parts to the body, in an array of tables beside `[effects]`
-    key : the key that the table must hold for this effect; empty if it need not hold any
-    constraint : how the effect's table holds the body; None if it does not. Without a constraint
-        the
-        scene would be a different one
-    pushed : name and value, SI, of the torque parameter that `push` includes, from the table, or
-        from None if the scene has no such table; None if `push` does not include the effect
+    name : name of the effect in engines' lists and in results
+    table, model : name and class of the effect's table in `[effects]`
+    is_part : whether the effect adds rotors to the body, in an array of tables beside `[effects]`
+    key : the key that the table must have for this effect; empty if it need not have any
+    constraint : returns how the effect holds the body, given its table and the body; None if it
+        does not hold the body
+    pushed : returns the torque parameter, SI, that `push` includes, given the table, or None if the
+        scene has no such table; None if `push` does not include the effect
     check : raises `Misfit` if the scene's start, or another effect, does not go with the table
-    sizes, rates : its numbers that must be computable, each with where it is written
-    rate : the fastest rate at which it changes a state, 1/s; `rate_formula` is its formula in words
-    decay : the fastest rate at which it slows the body, 1/s
-    potential : potential energy, J, (n,); None if it has none
-    momentum_body, kinetic : what parts add to L, kg m²/s, (n, 3), and to T, J, (n,)
-    work : energy of parts, J, (n,), whose change is the work of their drives, which E gains; None
-        without drives
-    wrong_momentum : by factor, what a part is called whose angular momentum is that multiple of the
-        right one
-    force : upward force of a constraint that cannot pull, N
-    answer : torque and acceleration that include the force of such a constraint
+    sizes, rates : yield the effect's numbers that must be computable, with their keys in the file
+    rate : returns the fastest rate at which the effect changes a state, 1/s; `rate_formula` is its
+        formula in words
+    decay : returns the fastest rate at which the effect slows the body, 1/s
+    potential : returns the potential energy, J, (n,); None if the effect has none
+    momentum_body, kinetic : return what rotors add to L, kg m²/s, (n, 3), and to T, J, (n,)
+    work : returns an energy of rotors, J, (n,), whose change is the work of their drives, which E
+        gains; None without drives
+    wrong_momentum : words for an engine that counts the rotors' angular momentum wrongly, with {}
+        where the factor stands
+    force : returns the upward force of a constraint that cannot pull, N, (n,)
+    answer : returns torque and acceleration that include the force of such a constraint
     place_formula : formula of the place that a constraint keeps
-    group : name of the scenes with it in lists by effect; the last effect of a scene decides
+    group : heading of scenes with the effect in lists of scenes; the last effect of a scene decides
     """
 
     name: str
@@ -226,7 +236,7 @@ class Effect:
     group: str = ""
 
     def force_along(self, scenario: Scene, motion: Trajectory) -> FloatArray:
-        """Return the force along a motion, N, (n,), of a constraint that has one."""
+        """Return the constraint's upward force along a motion, N, (n,), if `force` is not None."""
         assert self.force is not None
         kept_body = scenario.kept_body(scenario.kept(motion.omega_body, motion.spins))
         R_world_body = motion.R_world_body.as_matrix()
@@ -234,20 +244,26 @@ class Effect:
 
     @property
     def is_force(self) -> bool:
-        """Whether it may accelerate the com of a free body: it is no torque, constraint or part."""
+        """Whether the effect is a force that accelerates a free body's com, as gravity is.
+
+        It is if it is neither a torque, nor a constraint, nor a rotor.
+        """
         return not (self.pushed or self.constraint or self.is_part)
 
     @property
     def heading(self) -> str:
-        """The heading of its table in a scene file."""
+        """The heading of the effect's table in a scene file."""
         return f"[[{self.table}]]" if self.is_part else f"[effects.{self.table}]"
 
     def table_in(self, document: Any) -> Any:
-        """Return its table, or the tables of its parts, if a scene's document has any."""
+        """Return the effect's table in a scene's parsed document, or the tables of all rotors.
+
+        It is None if the document has none.
+        """
         return getattr(document if self.is_part else document.effects, self.table, None)
 
     def is_called_for(self, document: Any) -> bool:
-        """Whether a scene's document calls for this effect."""
+        """Whether a scene's parsed document calls for the effect."""
         table = self.table_in(document)
         if self.is_part:
             return bool(table)

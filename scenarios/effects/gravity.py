@@ -36,10 +36,10 @@ def torque_body(scenario: Scene, R_world_body: FloatArray) -> FloatArray:
 
 
 def swing_rate(scenario: Scene) -> float:
-    """Return √(m g l / I) for the axis across the lever about which I is least, rad/s; 0 if free.
+    """Return √(m g l / I), the rate of a small swing under gravity, rad/s; 0 for a free body.
 
-    Gravity's torque is across the lever, so that the moment about the lever does not count: a
-    needle hanging by its end swings slowly, however easily it spins.
+    I is the least moment about an axis across the lever, as gravity's torque is across the lever: a
+    needle that hangs by its end swings slowly, however small its moment about its length.
     """
     lever = scenario.constraint.lever
     arm = float(np.linalg.norm(lever))

@@ -68,12 +68,15 @@ hinge = "free"                   # or "driven", or "locked"
 
 
 def rotors_of(tables: Iterable[RotorTable] | None) -> Rotors:
-    """Return the rotors of a document."""
+    """Return the rotors that the tables of a scene file describe; no rotors for None."""
     return Rotors(tuple(table.rotor() for table in tables or ()))
 
 
 def gyroscopic_rate(scenario: Scene) -> float:
-    """Return ‖h‖/I, the rate at which h × ω turns ω, rad/s, with h the sum of `kept`."""
+    """Return ‖h‖/I, the rate at which h × ω turns ω, rad/s.
+
+    h is the angular momentum that the rotors keep at t = 0, and I the least moment across h.
+    """
     h = scenario.kept_body(scenario.kept_at_start)
     size = float(np.linalg.norm(h))
     if not size:

@@ -66,7 +66,10 @@ def constraint(table: TableTable, body: Body) -> Constraint:
 
 
 def arm_body(scenario: Scene, up_body: FloatArray) -> FloatArray:
-    """Return b, the torque about the com of a unit of N, m, body axes, shaped like `up_body`."""
+    """Return b, the torque about the com by a unit of the force N, m, body axes, (n, 3) or (3,).
+
+    `up_body` is the world's vertical ẑ along body axes, (n, 3) or (3,).
+    """
     return cross(up_body, scenario.constraint.lever)
 
 
@@ -77,7 +80,9 @@ def normal_force(
     torque_body: FloatArray,
     pull_world: FloatArray,
 ) -> FloatArray:
-    """Return N, newtons, (n,) or a number; negative where the table would have to pull.
+    """Return the table's force N, in newtons, (n,) or a number.
+
+    It is negative where the table would have to pull.
 
     Parameters
     ----------
@@ -99,9 +104,9 @@ def answer(
     torque_body: FloatArray,
     pull_world: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return torque, N m, and acceleration, m/s², (3,), with those of N added.
+    """Return torque, N m, and acceleration of the com, m/s², with those of the force N added.
 
-    The parameters are those of `normal_force`.
+    The parameters are those of `normal_force`, for one state: (3,) each.
     """
     force = normal_force(scenario, up_body, omega_body, torque_body, pull_world)
     pushed_up = np.array([0.0, 0.0, force / scenario.body.mass])
@@ -116,7 +121,7 @@ def force(
     Parameters
     ----------
     R_world_body, omega_body : attitude and ω, rad/s, body axes, of n states or of one
-    kept_body : angular momentum of the parts, kg m²/s, body axes, (n, 3) or (3,)
+    kept_body : angular momentum of the rotors, kg m²/s, body axes, (n, 3) or (3,)
     """
     omega_world = (R_world_body * omega_body[..., None, :]).sum(-1)
     pushed = push(scenario.pushed, R_world_body, omega_world)
@@ -127,12 +132,16 @@ def force(
 
 
 def check(scenario: Scene, stated: StartTable) -> None:
-    """Check that a scene starts on its table and is pressed onto it.
+    """Check that a scene's body starts on the table and is pressed onto it.
+
+    Parameters
+    ----------
+    stated : the start as the scene file states it
 
     Raises
     ------
     Misfit
-        If it does not.
+        If the body does not.
     """
     if PIVOT in scenario.acting:
         raise Misfit("does not go with a pivot: both hold the body; remove one", *WHERE)
@@ -158,7 +167,7 @@ def check(scenario: Scene, stated: StartTable) -> None:
 
 
 def _check_stated(scenario: Scene, stated: StartTable) -> None:
-    """Raise `Misfit` if a third component that a file states is not the one on the table."""
+    """Raise `Misfit` if a stated position or velocity has another z than a body on the table."""
     start, lever = scenario.start, float(np.linalg.norm(scenario.constraint.lever))
     length_scale = lever + abs(start.position_world[2])
     speed_scale = lever * float(np.linalg.norm(start.omega_body))

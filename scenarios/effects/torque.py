@@ -40,7 +40,10 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield the spin that the torque leads to in the span, limited by what slows the body."""
+    """Yield the largest angular velocity that the torque can lead to in the scene's time span.
+
+    Effects that slow the body limit it.
+    """
     torque, least = _torque(extent), extent.moments[0]
     reached = torque * extent.span / least
     if extent.decay:
@@ -54,7 +57,7 @@ def _torque(extent: Extent) -> mpf:
 
 
 def _constant(axes: str) -> Effect:
-    """Return the effect of a torque that is constant in the body axes or in the world axes."""
+    """Return the effect of a torque that is constant along "body" axes or "world" axes."""
     return Effect(
         f"torque_{axes}",
         "torque",
