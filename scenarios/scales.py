@@ -30,7 +30,7 @@ MAX_SPAN = mpf("1e9")
 
 
 def check_scales(scenario: Scenario, until: float | None = None) -> None:
-    """Check that a scene can be computed with.
+    """Check that a scene's sizes and rates are not too large, or too small, to be computed with.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def check_scales(scenario: Scenario, until: float | None = None) -> None:
     Raises
     ------
     Misfit
-        If it cannot.
+        If one of them is.
     """
     span = mpf(scenario.window.duration if until is None else until)
     with mp.workdps(DIGITS):
@@ -62,7 +62,10 @@ def check_scales(scenario: Scenario, until: float | None = None) -> None:
 
 
 def _sizes(extent: Extent, where: tuple[str, ...]) -> Iterator[Size]:
-    """Yield the quantities of a scene, and the quantities that are computed from them."""
+    """Yield the sizes of a scene's quantities, and of quantities that are computed from them.
+
+    `where` has the keys under which the file states the inertia.
+    """
     body, start = extent.scenario.body, extent.scenario.start
     least, _, greatest = extent.moments
     fastest = length(start.omega_body_exact)
@@ -81,14 +84,17 @@ def _sizes(extent: Extent, where: tuple[str, ...]) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield the rates that limit an integrator's timestep, 1/s."""
+    """Yield the scene's rates, which limit an integrator's timestep, 1/s."""
     yield ("start",), "an angular velocity", length(extent.scenario.start.omega_body_exact)
     for effect in extent.scenario.acting:
         yield from effect.rates(extent)
 
 
 def _moments(scenario: Scenario) -> tuple[mpf, mpf, mpf]:
-    """Principal moments about the fixed point, ascending, kg m²."""
+    """Return the principal moments about pivot or com, ascending, kg m².
+
+    Raises `Misfit` if their ratio is too large to be computed with.
+    """
     least, middle, greatest = sorted(principal_axes(scenario.inertia_exact)[0])
     # If the least moment is lost to rounding, it may not even be positive.
     if greatest > MAX_MOMENT_RATIO * least:

@@ -39,11 +39,14 @@ _OMEGAS = ("omega_world", "euler_zyz_rates")
 
 
 def member(scenario: Scenario, seed: int, number: int) -> Scenario:
-    """Return a member of the ensemble, which depends on seed and number, not on how many there are.
+    """Return a member of a scene's ensemble, by seed and number.
+
+    It does not depend on how many members there are.
 
     Parameters
     ----------
-    seed, number : from 0 on
+    seed : seed of the ensemble, 0 or more
+    number : number of the member, 0 or more
     """
     sequence = np.random.SeedSequence(seed, spawn_key=(number,))
     n = np.random.Generator(np.random.PCG64(sequence)).standard_normal(_NUMBERS)
@@ -72,7 +75,14 @@ def _attitude(scenario: Scenario, n: FloatArray) -> Rotation:
 
 
 def _inertia(body: Body, n: FloatArray) -> list[Any]:
-    """Inertia about the com, kg m²: moments along the body axes, or a matrix as nested lists."""
+    """Return a scattered inertia about the com, kg m², as a scene file states it.
+
+    It is a list of moments if the body's tensor is diagonal, else a matrix as nested lists.
+
+    Parameters
+    ----------
+    n : three standard normals, by which the second moments of mass are scattered
+    """
     tensor = body.inertia_com
     # ∫ r rᵀ dm, of which the inertia is the trace times the unit matrix less itself.
     second = np.trace(tensor) / 2 * np.eye(3) - tensor
@@ -89,7 +99,7 @@ def _inertia(body: Body, n: FloatArray) -> list[Any]:
 
 
 def _alike(sizes: FloatArray) -> list[int]:
-    """Return for each size the index of the first size that is equal to it."""
+    """Return for each size the index of the first size that is equal to it up to rounding."""
     slack = _EQUAL * float(np.abs(sizes).max())
     return [int(np.flatnonzero(np.abs(sizes - size) <= slack)[0]) for size in sizes]
 

@@ -32,14 +32,14 @@ KEPT = 64
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """One scene; a `Scenario` that exists has valid values.
+    """One scene, whose values have been checked.
 
     Attributes
     ----------
-    name : the file's stem
-    path : the file it was read from, or None for one built in memory
-    text : the file, as read or as it would be written
-    document : its tables
+    name : name of the scene, the stem of its file
+    path : the file that the scene was read from; None for a scene built in memory
+    text : text of the file, as read or as it would be written
+    document : the tables of the file, parsed
     carrier, rotors, start : the body without its rotors, the rotors, and the state at t = 0
     """
 
@@ -73,22 +73,22 @@ class Scenario:
 
     @property
     def title(self) -> str:
-        """One line that says what the scene shows."""
+        """The scene's title, one line."""
         return self.document.title
 
     @property
     def effects(self) -> Effects:
-        """The tables of the effects the scene calls for."""
+        """The tables in the file's `[effects]`, parsed."""
         return self.document.effects
 
     @property
     def window(self) -> Window:
-        """Duration and number of samples."""
+        """The time span that is simulated, and the number of samples."""
         return self.document.window
 
     @property
     def expect(self) -> tuple[Expect, ...]:
-        """Bounds on errors, or outcomes, expected of engines."""
+        """What the scene expects of single runs: bounds on errors, or outcomes."""
         return self.document.expect
 
     @property
@@ -98,7 +98,7 @@ class Scenario:
 
     @cached_property
     def called_for(self) -> frozenset[str]:
-        """The effects to simulate, names out of `EFFECTS`."""
+        """Names of the effects that the scene calls for, out of `EFFECTS`."""
         return frozenset(effect.name for effect in self.acting)
 
     @cached_property
@@ -108,7 +108,10 @@ class Scenario:
 
     @cached_property
     def answer(self) -> Answer | None:
-        """`Effect.answer` of the constraint that holds the body; None for a pivot or none."""
+        """The function `Effect.answer` of the constraint that holds the body.
+
+        It is None for a pivot, which needs none, and for a free body.
+        """
         return next((one.answer for one in self.acting if one.answer is not None), None)
 
     @cached_property
@@ -118,7 +121,7 @@ class Scenario:
 
     @property
     def is_jointed(self) -> bool:
-        """Whether joints hold the body, or parts of it."""
+        """Whether engines need joints for the scene: the body is held, or has rotors."""
         return not self.constraint.is_free or any(effect.is_part for effect in self.acting)
 
     @property
@@ -127,43 +130,48 @@ class Scenario:
         return "pivot" if self.constraint.is_pivot else "com"
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return the constant angular momentum of each part about its axis, kg m²/s, (n, parts)."""
+        """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors)."""
         return self.rotors.kept(omega_body, spins)
 
     @cached_property
     def kept_at_start(self) -> FloatArray:
-        """What `kept` returns for the state at t = 0, kg m²/s, (parts,)."""
+        """The angular momenta of the rotors that `kept` returns, at t = 0, kg m²/s, (rotors,)."""
         return self.kept(self.start.omega_body, self.start_spins)
 
     @property
     def start_spins(self) -> FloatArray:
-        """The spins of parts at t = 0, relative to the body, rad/s, (parts,)."""
+        """The spins of the rotors at t = 0, relative to the body, rad/s, (rotors,)."""
         return self.rotors.start_spins
 
     @property
     def largest_part(self) -> float:
-        """The largest moment of a part about its axis, kg m²; 0 without parts."""
+        """The largest moment of a rotor about its axle, kg m²; 0 without rotors."""
         return float(max(self.rotors.along, default=0.0))
 
     @cached_property
     def kept_sizes(self) -> tuple[FloatArray, float]:
-        """Sizes of the parts' angular momenta, kg m²/s, (parts,), and of their energy, J."""
+        """Sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
+
+        They are not zero for a rotor that can turn; see `Rotors.sizes`.
+        """
         return self.rotors.sizes(self.start.omega_body)
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """Return the vector sum of the parts' angular momenta, body axes, kg m²/s, (n, 3)."""
+        """Return the vector sum of the rotors' momenta `kept`, kg m²/s, body axes, (n, 3)."""
         return self.rotors.kept_body(kept)
 
     def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
-        """Return the spins, rad/s, (n, parts), of parts whose angular momenta are `kept`."""
+        """Return the spins, rad/s, (n, rotors), of rotors that keep angular momenta `kept`."""
         return self.rotors.spins(omega_body, kept)
 
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Return sizes of force, N, and torque, N m, (n,), that cancel in axes turning with parts.
+        """Return sizes of forces, N, and torques, N m, that cancel in axes that turn with a rotor.
+
+        They are (n,) each, for n rows of spins, rad/s; see `Rotors.cancelling`.
 
         Parameters
         ----------
-        far : distance of the origin of the coordinates from the com, m, which places are rounded by
+        far : distance of the coordinates' origin from the com, m
         """
         return self.rotors.cancelling(spins, self.body.com, far)
 
@@ -184,7 +192,7 @@ class Scenario:
         return self.without_free_axes(tensor)
 
     def without_free_axes(self, inertia: exact.Tensor) -> exact.Tensor:
-        """Return a tensor less the axial moments of rotors that turn freely, kg m²."""
+        """Return an inertia tensor minus the axial moments of rotors on free hinges, kg m²."""
         return without_free_axes(inertia, self.rotors)
 
     @cached_property
@@ -208,7 +216,12 @@ class Scenario:
         }
 
     def table_of(self, model: type[T]) -> T | None:
-        """Return the table of an effect; None if the scene has none."""
+        """Return an effect's table in the scene file, parsed; None if the scene does not have it.
+
+        Parameters
+        ----------
+        model : class of the parsed table
+        """
         return next((table for _, table in self.effects if isinstance(table, model)), None)
 
     @cached_property
@@ -219,21 +232,22 @@ class Scenario:
 
 @lru_cache(maxsize=KEPT)
 def _rebuilt(text: str, name: str, path: Path | None) -> Scenario:
-    """Return the scene of a text, the same object each time a worker is sent the text."""
+    """Return the scene of a text; a worker that is sent the text again gets the same object."""
     return build(Document.model_validate(tomllib.loads(text)), name, text, path)
 
 
 def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:
-    """Return the scenario of a validated document, whose text is `text`."""
+    """Return the scenario of a parsed document; `text` is the file that it was parsed from."""
     carrier, rotors = document.body.body(), rotors_of(document.rotors)
     start = _start(document, carrier, rotors)
     return Scenario(name, path, text, document, carrier, rotors, start)
 
 
 def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) -> Scenario:
-    """Return the scene with other tables, such as `window`, and its text rewritten.
+    """Return a scene with some tables of its file, such as `window`, replaced.
 
-    Published values and expectations are left out: they hold only for the unchanged scene.
+    Its text is written anew. Published values and expectations are left out, as they hold only for
+    the unchanged scene.
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)
@@ -257,15 +271,15 @@ def started_at(
     velocity_world: Sequence[float] | FloatArray,
     spins: Sequence[float] | FloatArray | None = None,
 ) -> Scenario:
-    """Return the scene with another state at its start, as `with_tables` does.
+    """Return a scene with another state at its start, and otherwise as `with_tables` does.
 
     Parameters
     ----------
     q_world_body_wxyz : attitude, takes body to world components, unit quaternion, (4,)
     omega_body : angular velocity, rad/s, body axes, (3,)
-    com_world, velocity_world : of the centre of mass, m and m/s, (3,); along axes along which the
-        body is held they follow from attitude and ω and are ignored
-    spins : of the rotors, relative to the body, rad/s, (rotors,); unchanged if None
+    com_world, velocity_world : position, m, and velocity, m/s, of the centre of mass, (3,); along
+        axes along which the body is held they follow from attitude and ω and are ignored
+    spins : spins of the rotors, relative to the body, rad/s, (rotors,); unchanged if None
 
     Raises
     ------
@@ -295,7 +309,7 @@ def _start(document: Document, carrier: Body, rotors: Rotors) -> Start:
 
 
 def _constraint(document: Document, body: Body) -> Constraint:
-    """Return what holds a body; if it is free, a constraint that holds it along no axis."""
+    """Return the constraint that holds a body; a free body has one that holds along no axis."""
     called_for = (one for one in EFFECTS.values() if one.is_called_for(document))
     holding = [one.constraint(one.table_in(document), body) for one in called_for if one.constraint]
     return holding[0] if holding else Constraint((False, False, False), body.com_exact)

@@ -10,7 +10,7 @@ SCHEMA_FILE = Path(__file__).with_name("schema.json")
 
 
 def schema_text() -> str:
-    """The schema as `schema.json` holds it."""
+    """Return the JSON Schema of scene files, as the text of `schema.json`."""
     return json.dumps(Document.model_json_schema(), indent=2, ensure_ascii=False) + "\n"
 
 

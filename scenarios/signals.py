@@ -28,8 +28,8 @@ Distance = Annotated[float, Field(ge=0)]
 class Errors:
     """One number for each signal: the largest distance over a motion's samples, or a bound on it.
 
-    Iterates over pairs of name and number of the signals that the scene has, in the order of
-    `SIGNALS`; the fields of other signals are NaN.
+    Iteration yields pairs of name and number for the signals that the scene has, in the order of
+    `SIGNALS`. Of any other signal ``errors[name]`` is NaN.
     """
 
     omega: Distance
@@ -55,18 +55,18 @@ class Signal:
     Attributes
     ----------
     name : how files, options and results refer to it
-    label, quantity : how tables, and how texts, refer to it
-    formula : of the error
-    unit : of the error; empty where it is relative
-    kind : which distance two values have: for vectors and scalars the norm of their difference, for
-        quaternions the angle of the rotation from one to the other
-    values : values along a motion, SI, (n, columns), or (n,) for a scalar
-    base : what distances are relative to, in the signal's unit
+    label, quantity : how columns of reports, and how sentences, refer to it
+    formula : formula of the error
+    unit : unit of the error; empty where the error is relative
+    kind : how the distance of two values is defined: for vectors and scalars as the norm of their
+        difference, for quaternions as the angle of the rotation from one to the other
+    values : returns the values along a motion, SI, (n, columns), or (n,) for a scalar
+    base : returns the number that distances are relative to, in the signal's unit
     depends_on : those of "omega" and "attitude" whose orders of accuracy bound the signal's own
-    exists : whether a scene has it
-    in_flight : relative change of the signal by one ulp in each number of a free body's state, if
-        it is not the change of a rotation, which the `Errors` hold; engines may integrate the
-        flight for an origin other than the com
+    exists : returns whether a scene has the signal
+    in_flight : returns the relative change of the signal by one ulp in each number of a free body's
+        state, given the `Errors` of its rotation by one ulp; engines may integrate the flight of an
+        origin other than the com. None if the change of the rotation is all there is
     """
 
     name: str
@@ -83,7 +83,7 @@ class Signal:
 
     @property
     def key(self) -> str:
-        """The name of its error in JSON and CSV."""
+        """The name of the signal's error in JSON and CSV."""
         return f"{self.name}_error"
 
     def __str__(self) -> str:
@@ -92,21 +92,21 @@ class Signal:
 
     @property
     def shown(self) -> float:
-        """Factor of its errors where people read them: angles are shown in degrees."""
+        """Factor of the signal's errors as people read them: angles are shown in degrees."""
         return math.degrees(1.0) if self.unit == "rad" else 1.0
 
     @property
     def shown_unit(self) -> str:
-        """The unit of its errors where people read them."""
+        """The unit of the signal's errors as people read them: "°", or "relative"."""
         return "°" if self.unit == "rad" else "relative"
 
     def words(self, error: float) -> str:
-        """Return an error as people read it: an angle in degrees."""
+        """Return an error as text for people, in degrees if it is an angle in rad."""
         return f"{error * self.shown:.2g}°" if self.unit == "rad" else f"{error:.1e}"
 
     @property
     def error_title(self) -> str:
-        """The heading of its errors where people read them: `ω error, relative`."""
+        """The heading of the signal's errors in reports: `ω error, relative`."""
         return f"{self.label} error, {self.shown_unit}"
 
     def declared_order(self, order: int, attitude_order: int) -> int:
@@ -115,13 +115,18 @@ class Signal:
         return min(orders[name] for name in self.depends_on)
 
     def growth(self, scene: Scene, exact: Trajectory, conditioning: Errors) -> float:
-        """Return the signal's relative change by one ulp in each number of a free body's state."""
+        """Return the signal's relative change by one ulp in each number of a free body's state.
+
+        Parameters
+        ----------
+        conditioning : the changes of all signals by one ulp, as the rotation makes them
+        """
         of_rotation = conditioning[self.name]
         return self.in_flight(scene, exact, conditioning) if self.in_flight else of_rotation
 
 
 def radius_of_gyration(scene: Scene) -> float:
-    """√(tr I / 2m), m; I about the pivot, or the com where there is none."""
+    """Return the radius of gyration √(tr I / 2m), m, with I about the pivot, or else the com."""
     return float(np.sqrt(np.trace(scene.inertia) / (2 * scene.body.mass)))
 
 
@@ -135,7 +140,11 @@ def _speed(scene: Scene, exact: Trajectory) -> float:
 
 
 def _moved(scene: Scene, exact: Trajectory, growth: Errors) -> tuple[float, float]:
-    """Return changes of a free body's place, m, and velocity, m/s, by one ulp in state and arm."""
+    """Return the changes of a free body's position, m, and velocity, m/s, by one ulp.
+
+    The ulp is in each number of the state and in the arm from the body's origin to the com;
+    `growth` has the changes of the rotation by it.
+    """
     arm = float(np.linalg.norm(scene.body.com))
     fast, speed = _longest(exact.velocity_world), _longest(exact.omega_body)
     lengths = _longest(exact.com_world) + arm + fast * float(exact.t[-1])
@@ -247,13 +256,13 @@ SIGNALS = (
 
 
 def errors_by_key(errors: Errors | None) -> dict[str, float | None]:
-    """The errors with their names in JSON and CSV; None where a run or its scene has none."""
+    """Return errors by their names in JSON and CSV; None for a run, or a signal, without them."""
     known = dict(errors or ())
     return {signal.key: known.get(signal.name) for signal in SIGNALS}
 
 
 def signals_of(scene: Scene) -> tuple[Signal, ...]:
-    """The signals that a scene has, in the order of `SIGNALS`."""
+    """Return the signals that a scene has, in the order of `SIGNALS`."""
     return tuple(signal for signal in SIGNALS if signal.exists(scene))
 
 

@@ -62,7 +62,7 @@ class Start:
     ----------
     q_exact : attitude, takes body to world components, unit quaternion w, x, y, z
     omega_body_exact : angular velocity, rad/s, body axes
-    position_world, velocity_world : of the centre of mass, m and m/s, (3,)
+    position_world, velocity_world : position, m, and velocity, m/s, of the centre of mass, (3,)
     """
 
     q_exact: exact.Quaternion
@@ -82,7 +82,10 @@ class Start:
 
 
 def start_of(table: StartTable, constraint: Constraint) -> Start:
-    """Return the state that a table describes, of a body with a given constraint."""
+    """Return the state that `[start]` describes, for a body with a given constraint.
+
+    On a table, height and vertical velocity of the com follow from attitude and ω.
+    """
     q = _attitude(table)
     omega_body = _omega_body(table, q)
     position, velocity = (read_only(v or exact.ZERO) for v in (table.position, table.velocity))

@@ -23,9 +23,9 @@ class Trajectory:
     t : (n,) s, increasing
     q_world_body_wxyz : (n, 4) unit quaternions, scalar first: body to world components
     omega_body : (n, 3) rad/s, body axes
-    com_world : (n, 3) m, the centre of mass
-    velocity_world : (n, 3) m/s, of the centre of mass
-    spins : (n, parts) rad/s, of parts that turn in the body; without any if left out
+    com_world : (n, 3) m, position of the centre of mass
+    velocity_world : (n, 3) m/s, velocity of the centre of mass
+    spins : (n, rotors) rad/s, spins of rotors relative to the body; (n, 0) by default
 
     Raises
     ------
@@ -73,14 +73,17 @@ class Trajectory:
 
     @property
     def R_world_body(self) -> "Rotation":
-        """Attitudes as rotations, n of them."""
+        """The n attitudes as one scipy `Rotation`, body to world."""
         # Imported here, because scipy's import takes as long as all of spincheck's own modules.
         from scipy.spatial.transform import Rotation
 
         return Rotation.from_quat(self.q_world_body_wxyz, scalar_first=True)
 
     def to_world(self, vectors_body: FloatArray) -> FloatArray:
-        """Body components to world components, sample by sample: (3,) or (n, 3) to (n, 3)."""
+        """Return the world components, (n, 3), of vectors given in body components at each sample.
+
+        One vector, (3,), may stand for n equal ones.
+        """
         rows = np.broadcast_to(vectors_body, (len(self.t), 3))
         return turned(self._world_from_body, rows)
 
@@ -91,17 +94,17 @@ class Trajectory:
         return matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
 
     def until(self, n: int) -> "Trajectory":
-        """Return the first n samples, or the trajectory itself if it has no more."""
+        """Return the trajectory of the first n samples; the same object if it has no more."""
         if n >= len(self.t):
             return self
         return Trajectory(**{one.name: getattr(self, one.name)[:n] for one in fields(self)})
 
     def every(self, n: int) -> "Trajectory":
-        """Return the first sample and each n-th after it."""
+        """Return the trajectory of the first sample and each n-th sample after it."""
         return Trajectory(**{one.name: getattr(self, one.name)[::n] for one in fields(self)})
 
     def at(self, samples: NDArray[np.intp]) -> "Trajectory":
-        """Return the samples of given increasing indices, (k,)."""
+        """Return the trajectory of the samples with given indices, (k,), which must increase."""
         return Trajectory(**{f.name: getattr(self, f.name)[samples] for f in fields(self)})
 
 

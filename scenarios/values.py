@@ -41,7 +41,7 @@ def _prose(text: str) -> str:
 
 
 def _whole_number(value: Any) -> Any:
-    """Return a whole number, and refuse true and 1.0, which Python takes for 1."""
+    """Return a value if it is a whole number; refuse true and 1.0, which Python takes for 1."""
     if type(value) is not int:
         raise ValueError(f"must be a whole number, got {value!r}")
     return value
@@ -72,12 +72,12 @@ Prose = Annotated[str, Field(strict=True), AfterValidator(_prose)]
 
 
 def check_unit(q: Quaternion) -> None:
-    """Check that a quaternion of a table is a rotation.
+    """Check that a quaternion in a scene file is of norm 1.
 
     Raises
     ------
     Misfit
-        If its norm is not 1 within what typed digits allow.
+        If its norm differs from 1 by more than `QUATERNION_NORM_SLACK`.
     """
     norm = math.hypot(*q)
     if abs(norm - 1) > QUATERNION_NORM_SLACK:
@@ -85,5 +85,5 @@ def check_unit(q: Quaternion) -> None:
 
 
 def names(keys: Iterable[str]) -> str:
-    """Return keys of a table as complaints list them."""
+    """Return keys of a TOML table as messages list them: in quotes, sorted."""
     return ", ".join(f"'{key}'" for key in sorted(keys))

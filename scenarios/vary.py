@@ -14,16 +14,21 @@ from .write import to_toml
 
 
 def own_tables(scenario: Scenario) -> dict[str, Any]:
-    """Return the tables of a scene's file without those that hold only for this very scene.
+    """Return the TOML tables of a scene's file, without those that hold only for this scene.
 
-    The caller may change them.
+    They are a copy, which the caller may change.
     """
     tables = tomllib.loads(scenario.text)
     return {key: value for key, value in tables.items() if key not in OF_THE_SCENE_ALONE}
 
 
 def rewritten(scenario: Scenario, tables: Mapping[str, Any], changes: str) -> Scenario:
-    """Return the scene of other tables under the same name; its title says what is different.
+    """Return the scene that other TOML tables describe, under the name of a given scene.
+
+    Parameters
+    ----------
+    tables : the tables of the new scene's file
+    changes : what is different, for the title; empty leaves the title as it is in `tables`
 
     Raises
     ------

@@ -9,7 +9,7 @@ DELETE, ESCAPED_DELETE = "\x7f", "\\u007f"
 
 
 def to_toml(tables: Mapping[str, Any]) -> str:
-    """Return a file's text that reads back as the same tables, numbers to the last bit.
+    """Return a TOML text that reads back as the given tables, numbers to the last bit.
 
     Parameters
     ----------
@@ -19,7 +19,10 @@ def to_toml(tables: Mapping[str, Any]) -> str:
 
 
 def _lines(table: Mapping[str, Any], name: str) -> Iterator[str]:
-    """Yield a table's lines, plain keys first: in TOML all that follows a heading belongs to it."""
+    """Yield the lines of a TOML table with a dotted `name`, empty for the file's top.
+
+    Plain keys come first, since in TOML all that follows a heading belongs to that heading.
+    """
     inner = {key: value for key, value in table.items() if _is_table(value)}
     for key, value in table.items():
         if key not in inner:
