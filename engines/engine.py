@@ -150,8 +150,10 @@ class Engine(Adapted, ABC):
 
         Parameters
         ----------
-        left_in : names, among those of `left_out`, of what is left in, to measure its cost in time
-        defaults : names, among those of `defaults`, of the only defaults that act
+        left_in : names, out of those that the method `left_out` returns, of passes or parts that
+            are left in, to measure their cost
+        defaults : names, out of those that the method `defaults` returns, of the engine's defaults
+            that act; None for those that act in the method anyway
         description : how the body is described; see `describes`
         """
         raise NotImplementedError(f"{self.name} opens a scene in one way.")

@@ -47,7 +47,7 @@ class BodyReading:
 
     Attributes
     ----------
-    mass : kg, with that of rotors
+    mass : mass of the body with its rotors, kg
     com : position of the com from the body's origin, m, (3,)
     inertia_com : tensor of inertia about the com, with rotors as fixed parts, kg m², (3, 3)
     axial : of each rotor, its axis times its moment about it, kg m², (rotors, 3): the derivative of
@@ -73,7 +73,10 @@ class BodyReading:
 
 
 def composed(parts: Sequence[BodyReading]) -> BodyReading:
-    """The rigid body that is composed of parts, all in the same axes (parallel-axis theorem)."""
+    """Return the rigid body that several bodies form together (parallel-axis theorem).
+
+    All are given in the same axes and from the same origin.
+    """
     mass = sum(part.mass for part in parts)
     com = sum((part.mass * part.com for part in parts), np.zeros(3)) / (mass or 1.0)
     tensor = np.zeros((3, 3))

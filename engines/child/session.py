@@ -19,7 +19,7 @@ CLOCK_SLACK = 0.01
 
 @final
 class ChildSession(Session):
-    """One scene in a child of its own.
+    """A session of one scene in a child process, which no other session uses meanwhile.
 
     The child's body axes are the principal axes of the scene's body, their origin the com.
 

@@ -61,7 +61,8 @@ def urdf(
 
     Parameters
     ----------
-    thickness : as in `principal_frame`, for a reader that refuses an entirely flat body
+    thickness : relative amount by which the largest moment stays below the sum of the others, for
+        a reader that refuses an entirely flat body (see `principal_frame`)
     sphere : centre and radius of a collision sphere, m, body axes
     has_box : whether to add a collision box: the uniform box with the body's tensor
     description : how the body is written: its parts, and whether tensors are whole

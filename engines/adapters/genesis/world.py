@@ -73,7 +73,7 @@ class World:
         self.start(self.scenes)
 
     def set_bodies(self):
-        """Give each world its own body."""
+        """Set mass, com and tensor of the body in each world to those of the world's scene."""
         link = [self.solver.n_links - 1]
         rows = [(one["mass"], lever_of(one), np.diag(one["moments"])) for one in self.scenes]
         mass, com, tensor = (

@@ -48,7 +48,7 @@ class MuJoCoSession(CoordinateSession):
     scenario : the scene that is simulated; only the audit reads it
     model : compiled, options and effects set
     has_clock : whether MuJoCo reads the clock that its Python package installs
-    tied : time constant of contacts, in timesteps; 0 for that of the model
+    tied : time constant of contacts, in timesteps; 0 leaves the model's
     """
 
     def __init__(

@@ -54,9 +54,10 @@ class World:
     Parameters
     ----------
     scene : `maximal`, whether the body has six coordinates and not a joint's; `hung`, whether it
-        hangs by a spherical joint, on `slides` along so many axes; `defaults` of PyBullet that are
-        kept; `position`, m, and `attitude`, x y z w, that it is loaded at; `gravity`, m/s²; `drag`,
-        N m s; `torque_world`, N m; `plane`, the height of the plane that it lies on, m, or None;
+        hangs by a spherical joint, which is on `slides` links that slide; PyBullet's `defaults`
+        that are kept; `position`, m, and `attitude`, x y z w, that it is loaded at; `gravity`,
+        m/s²; `drag`, N m s; `torque_world`, N m; `plane`, the height of the plane that it lies on,
+        m, or None;
         `rotors`, the hinge of each; `motor`, the gain of the joint's motor; `is_exact`, whether
         constraints are solved directly. Along the principal axes that PyBullet has found, and
         needed by `set_up` only: `axes`, w x y z, in the body's; `pivot`, m, where it is tied to the
