@@ -188,7 +188,10 @@ class _Varied:
 
 
 def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]:
-    """Return a function from a change of a problem to the numbers that its integration needs."""
+    """Return a function that takes a change of the problem and returns its `_Varied`.
+
+    This holds the problem's constants and start, and their derivatives along the change.
+    """
     # The effects of the scene, not only those that turn the body: a lever that is zero may have a
     # derivative that is not.
     terms = terms_of(problem, scenario.called_for & TERMS.keys())

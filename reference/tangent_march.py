@@ -102,10 +102,11 @@ def _extend_with_inertia(
 
 @kernel
 def _tangent_step(tangent: FloatArray, order: int) -> float:
-    """Return the step for which the derivative's series ends at e⁻²ᴺ of its lower terms.
+    """Return the step, s, at which the last two terms of the derivative's series are small.
 
-    The last terms must be small against the largest of the lower terms, not against the first: a
-    derivative may begin with zeros, and the derivative of a body at rest need not be at rest.
+    Term n must be at most e⁻²⁽ⁿ⁻ᵏ⁾ of a lower term k, for ω and for q. It is not compared with the
+    first term alone: a derivative may begin with zeros, and the derivative of a body at rest need
+    not be at rest.
     """
     radius = np.inf
     for first, last in ((OMEGA, OMEGA + 3), (Q, Q + 4)):

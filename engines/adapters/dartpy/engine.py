@@ -55,9 +55,10 @@ class DartSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return names for what the joints are, and whether each is there.
+        """Return whether each effect or fault of the joints is present, by its name in the audit.
 
-        The joints are the body's own, the slide that the body's joint may be on, and the rotors'.
+        The names are "pivot", "table", "rotors", "other bodies", and, in words, how the joint of a
+        rotor differs from the scene.
         """
         slide, rotors = self.world.slide, self.world.rotors
         count = self.world.skeleton.getNumBodyNodes()

@@ -264,7 +264,12 @@ class Trial:
     def _least_squares(
         self, x: FloatArray, samples: int | None, tolerance: float, evaluations: int
     ) -> Any:
-        """The result of `scipy.optimize.least_squares`, started from scaled parameters, (k,)."""
+        """The result of `scipy.optimize.least_squares`, started from scaled parameters, (k,).
+
+        Parameters
+        ----------
+        samples : how many of the first samples count; all of them if None
+        """
 
         # The residuals of all finite differences are computed at once, which takes less time.
         @lru_cache(1)

@@ -230,7 +230,10 @@ class _Examination:
         may_split: bool = False,
         is_changed: bool = False,
     ) -> Look:
-        """Take steps from repeats of each state, each of which is changed a little.
+        """Take steps from each state, and return their gains and noise.
+
+        If there are several repeats of a state, the gains are their mean, and each repeat starts
+        from the state changed by a little.
 
         Parameters
         ----------

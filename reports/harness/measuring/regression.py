@@ -168,7 +168,10 @@ class Regression:
 
     @cached_property
     def _inverse_variances(self) -> FloatArray:
-        """The inverse variance of each projected gain, (R, A, J)."""
+        """The inverse variance, by prior and noise, of gains projected on U, (R, A, J).
+
+        It is in units of the inverse variance of noise; U is that of `_decomposition`.
+        """
         _, squares, _, _ = self._decomposition
         return np.asarray(1 / (1 + self.measured.amplitudes[:, None] ** 2 * squares[:, None]))
 

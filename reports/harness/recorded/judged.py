@@ -78,7 +78,7 @@ class JudgedMotion:
 
     @property
     def is_another(self) -> bool:
-        """Whether the motion is another one: it exceeds that error, or something explains it."""
+        """Whether the motion is not the exact one: `is_beyond`, or a mistake explains it."""
         return self.is_beyond or bool(self.explained_by)
 
     def as_record(self) -> dict[str, Any]:

@@ -250,7 +250,10 @@ class _Study:
             return _Motion(ends, snapshots, seconds / ends[-1], batch.device)
 
     def _ends(self, scenes: Sequence[Scenario]) -> list[int]:
-        """Return numbers of steps: powers of two, and the last that the window or time allows."""
+        """Return the numbers of steps after which worlds are compared: powers of two, and the last.
+
+        The last is the length of the window, or less if that would take longer than `BUDGET`.
+        """
         with closing(self.engine.open_batch(scenes, self.method, self.begun.timestep)) as batch:
             batch.advance(1)
             a_step = batch.timed(TRIED) / TRIED

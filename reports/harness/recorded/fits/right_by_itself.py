@@ -55,10 +55,14 @@ def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
 
 
 def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
-    """Return the sentence that only the attitude, or only ω, is the scene's within noise, if so.
+    """Return a sentence if only one of attitude and ω agrees with the scene within noise.
 
-    It names the wrong samples of the other quantity if these are less than half of all. The
-    arguments are those of `uneven_times`.
+    The list is empty otherwise. The sentence names the samples at which the other quantity is wrong
+    if they are fewer than half of all.
+
+    Parameters
+    ----------
+    unchanged : the residuals of the scene's own equations, in standard deviations of noise, (m,)
     """
     if not log.has_omega:
         return []
@@ -79,7 +83,14 @@ def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
 
 
 def _saturates_at(log: Log, unchanged: FloatArray) -> float:
-    """Return the rate, rad/s, at which a gyroscope saturates; 0 if none is found."""
+    """Return the rate, rad/s, at which a gyroscope seems to saturate; 0 if it does not.
+
+    It does if all wrong components of ω are too small, and nearly equal in size.
+
+    Parameters
+    ----------
+    unchanged : the residuals of the scene's own equations, in standard deviations of noise, (m,)
+    """
     omega, noise = log.states[:, 4:], log.noise[1]
     residuals = unchanged.reshape(-1, 2, 3)[:, 1]
     is_wrong = residuals**2 > chdtri(1, SIGNIFICANCE / residuals.size)

@@ -56,7 +56,7 @@ class Numbers:
 
     @cached_property
     def spans(self) -> FloatArray:
-        """Distances of the samples, s, (n - 1,)."""
+        """The times between consecutive samples, s, (n - 1,)."""
         return np.diff(self.t)
 
     @cached_property

@@ -99,7 +99,7 @@ def other_translation(
 
 
 def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
-    """Yield mistakes of the com, in words, and the com without each, m, world axes, (n, 3)."""
+    """Yield possible mistakes of the com, in words, and the com corrected, m, world axes, (n, 3)."""
     R = matrices(motion.q_world_body_wxyz)
     yield (
         "x y z are those of the body's origin; they are to be those of the com",
@@ -113,7 +113,10 @@ def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatAr
 
 
 def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
-    """Yield mistakes of the velocity, in words, and the com's without each, m/s, (n, 3)."""
+    """Yield possible mistakes of the velocity, in words, each with the corrected velocity.
+
+    The corrected velocity is that of the com, m/s, world axes, (n, 3).
+    """
     R, v = matrices(motion.q_world_body_wxyz), motion.velocity_world
     swing_world = turned(R, np.cross(motion.omega_body, scenario.constraint.lever))
     yield "the velocity is in body axes; it is to be in world axes", turned(R, v)
