@@ -99,7 +99,7 @@ def other_translation(
 
 
 def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
-    """Yield possible mistakes of the com, in words, and the com corrected, m, world axes, (n, 3)."""
+    """Yield mistakes of the com, in words, each with the corrected com, m, world axes, (n, 3)."""
     R = matrices(motion.q_world_body_wxyz)
     yield (
         "x y z are those of the body's origin; they are to be those of the com",
