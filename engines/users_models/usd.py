@@ -107,10 +107,10 @@ def _stated(mass: Any, metre: float, kilogram: float, scale: FloatArray) -> Stat
 
 
 def _joints(stage: Any, physics: Any, metre: float) -> dict[str, tuple[str, Pose, bool]]:
-    """Return the joints of a stage, by the path of the body that each attaches.
+    """Return the joints of a stage, by the path of the child body of each.
 
-    A joint is given as the path of the body that this one is attached to, the pose in that body's
-    frame, and whether the joint lets it move.
+    A joint is given as the path of its parent body, the pose of the child in the parent's frame
+    with all joint coordinates zero, and whether the joint lets the child move.
     """
     joints: dict[str, tuple[str, Pose, bool]] = {}
     for prim in stage.Traverse():

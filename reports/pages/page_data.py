@@ -76,7 +76,12 @@ class PageData:
         self.items: list[Any] = []
 
     def add(self, item: Any) -> int:
-        """Add an item that JSON can hold, with arrays as `Differences`; return its number."""
+        """Add an item and return its number.
+
+        Parameters
+        ----------
+        item : what JSON can hold; arrays in it must already be `Differences`
+        """
         self.items.append(item)
         return len(self.items) - 1
 

@@ -193,7 +193,10 @@ class ReplayEvidence:
 
     @property
     def is_wrong(self) -> bool:
-        """Whether differences do not vanish with the timestep, or at too low an order."""
+        """Whether replays and run differ by more than noise, and not by a harmless memory.
+
+        A memory is harmless if what it changes vanishes with the timestep at a sufficient order.
+        """
         # What a restart lacks is lacking once, not in every step: one order less is enough.
         return self.tail < LEVEL or 0 < self.order < self.declared - 1
 

@@ -126,7 +126,7 @@ class World:
         self.graph = self.graphs[timestep]
 
     def start(self, motions):
-        """Set another motion of each world."""
+        """Set the attitude and velocities of each world's bodies, from one motion a world."""
         pairs = [self.coordinates(*both) for both in zip(self.scenes, motions, strict=True)]
         with np.errstate(over="ignore"):
             q, qd = (np.concatenate(part).astype(np.float32) for part in zip(*pairs, strict=True))

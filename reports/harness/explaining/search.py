@@ -162,10 +162,10 @@ class Search:
         return sorted(trials, key=score, reverse=True)[:LIKELIEST]
 
     def _more(self, fit: Fit, trial: Trial) -> Fit:
-        """The fit of a trial with one more change than a fit has.
+        """Fit a trial that has one more change than `fit`, starting from the parameters of `fit`.
 
-        Where that fit leaves more than noise, the trial is also fitted from zero, as its parameters
-        may lead to a local minimum.
+        If the residuals of `fit` exceed noise, those parameters may lead to a local minimum: the
+        trial is fitted from zero, too, and the fit with the higher score is returned.
         """
         one = trial.fit(fit)
         if fit.explains_nothing or fit.mean_square <= largest_of_noise(fit.residuals.size):

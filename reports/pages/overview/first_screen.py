@@ -176,7 +176,10 @@ def _worse_below(finest: Finest | None) -> tuple[str, str, str]:
 
 
 def _others(shipped: Sequence[Usual]) -> list[str]:
-    """Return sentences on the defaults not in the table: their errors, and which mostly blow up."""
+    """Return sentences on engines as shipped that have no column in the first screen's table.
+
+    They state the range of their errors, and which engines blow up or fail on most scenes.
+    """
     ended = [one for one in shipped if one.middle < math.inf]
     unfinished = ", ".join(one.engine for one in shipped if one not in ended)
     sentences = []

@@ -114,12 +114,14 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
 
 
 def _differences(first: FloatArray, lag: int) -> list[FloatArray]:
-    """Return the mean squares of third and of fourth differences, of attitude and ω, each (m, 2).
+    """Return the third and the fourth differences of attitude and ω, squared.
+
+    The squares are means over the three components: (n − 2 lag, 2) and (n − 3 lag, 2).
 
     Parameters
     ----------
-    first : first differences, rad and rad/s, (n, 6)
-    lag : distance in samples of what is subtracted in further differences
+    first : first differences of attitude, rad, and ω, rad/s, (n, 6)
+    lag : the lag of the second and higher differences, d[k + lag] − d[k], in samples
     """
     squares, differences = [], first
     for _ in range(3):

@@ -60,7 +60,7 @@ class Intervals(Data):
 
     @cached_property
     def fastest(self) -> float:
-        """The largest rate up to which motions are followed, rad/s."""
+        """The largest ‖ω‖ that a computed motion may reach, rad/s; its states are nan beyond it."""
         speeds = norms(np.vstack([self.starts, self.ends])[:, 4:])
         return FASTER * max(float(speeds.max()), self.base.equations.rate)
 
