@@ -187,14 +187,14 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     return steps.by_timestep(np.stack(gains, axis=1))
 
 
-def _directions(rotors: int) -> FloatArray:
-    """Orthonormal directions, (rotors, 3), onto which the momenta of all rotors are projected.
+def _directions(count: int) -> FloatArray:
+    """Orthonormal directions, (count, 3), onto which the momenta of rotors are projected.
 
     If there are three rotors or fewer, each has a direction of its own.
     """
-    if rotors <= 3:
-        return np.eye(rotors, 3)
-    return np.linalg.qr(np.random.default_rng(rotors).standard_normal((rotors, 3)))[0]
+    if count <= 3:
+        return np.eye(count, 3)
+    return np.linalg.qr(np.random.default_rng(count).standard_normal((count, 3)))[0]
 
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
