@@ -5,6 +5,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from lines_of_code import DOCUMENTED
+
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs/how-to/add-an-effect.md").read_text(encoding="utf-8")
 FOLDERS = ("scenarios", "reference", "engines", "reports")
@@ -32,9 +34,6 @@ MOST_OF_A_CONSTRAINT = 12
 MOST, MOST_WITH_ADAPTERS = 12, 26
 #: Of a part, which adds states: measured.
 MOST_OF_A_PART = 22
-
-
-DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef
 
 
 def code_of(path: Path) -> str:

@@ -56,10 +56,11 @@ class BesideMethods(Data):
     def deviations(
         self, hypotheses: Sequence[Hypothesis], samples: int | None = None
     ) -> FloatArray:
-        """As in `Data`, in units of the scale and of the errors of methods together, (H, 6 S)."""
-        deviation = self.intervals.deviations(hypotheses).reshape(len(hypotheses), -1)
-        of_methods = (deviation @ self.directions) * (1 - 1 / np.hypot(1.0, self.sizes))
-        return np.asarray(deviation - of_methods @ self.directions.T)[:, :samples]
+        """As in `Data`, in units of the scale and of the errors of methods together, (H, S, 6)."""
+        each = self.intervals.deviations(hypotheses)
+        flat = each.reshape(len(hypotheses), -1)
+        of_methods = (flat @ self.directions) * (1 - 1 / np.hypot(1.0, self.sizes))
+        return np.asarray(flat - of_methods @ self.directions.T).reshape(each.shape)[:, :samples]
 
 
 def within_error(
