@@ -96,6 +96,7 @@ class Rapier3DSession(WorldSession):
             "rotors": bool(rotors),
             **dict.fromkeys(self._wrong_hinges(), True),
             "joints": len(world.impulse_joints) != len(rotors) + bool(locked),
+            "joints that are springs": any(map(self.module.is_soft, self.world.joints())),
             "multibody joints": len(world.multibody_joints) > 0,
             f"a torque of {got.tolist()} N m": not torque,
             "damping": any(one.linear_damping or one.angular_damping for one in bodies),

@@ -7,6 +7,8 @@ from ...world_parts import is_pushed, matrix, push, quaternion, rotor_tensor
 
 #: Gain of a drive, in steps: the drive allows no change of the spin.
 FIRM = 1e9
+#: Natural frequency of a joint's spring, Hz. Rapier's own, 1e6, is felt by steps of a microsecond.
+RIGID = 1e12
 
 
 def wxyz(q):
@@ -22,6 +24,11 @@ def xyz(v):
 def count(mask):
     """Return how many axes a joint's mask locks."""
     return mask.bits.bit_count()
+
+
+def is_soft(joint):
+    """Return whether a joint is a spring that short steps feel."""
+    return joint.data.softness.natural_frequency < RIGID / 2
 
 
 class World:
@@ -99,8 +106,14 @@ class World:
 
     def add_joint(self, parent, child, described):
         """Add a joint between two bodies, given their handles and a builder; return the joint."""
+        if self.method != "default":
+            described = described.softness(rapier3d.SpringCoefficients(RIGID, 1.0))
         number = self.world.impulse_joints.insert(parent, child, described.build())
         return self.world.impulse_joints.get(number)
+
+    def joints(self):
+        """Return all joints."""
+        return [self.joint] * (self.joint is not None) + [joint for _, joint in self.rotors]
 
     def motion(self):
         """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
