@@ -1,10 +1,11 @@
 """An engine in another language, started by a command."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import final
 
-from spincheck.engine import Engine, Method, Scenario
+from spincheck.engine import Engine, EngineError, Method, Scenario
 
 from .messages import Hello
 from .process import ANSWER_LIMIT, ChildProcess, ProtocolError, given_back, taken
@@ -56,17 +57,30 @@ class ChildEngine(Engine):
         return tuple(path for path in map(Path, self.command) if path.is_file())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> ChildSession:
-        """Open the scene in an idle process of the engine if there is one, else in a new one."""
+        """Open the scene in an idle process of the engine if there is one, else in a new one.
+
+        If a process that has had scenes before refuses it, a new one is tried: scenes before it may
+        have left the engine without memory.
+        """
         try:
             child = taken(self.command, self._limit)
-            try:
-                self._check(child)
-                return ChildSession(child, scenario, method.name, timestep)
-            except BaseException:
-                given_back(child)
-                raise
+            if child.is_used:
+                with suppress(EngineError):
+                    return self._session(child, scenario, method, timestep)
+                child = ChildProcess(self.command, self._limit)
+            return self._session(child, scenario, method, timestep)
         except ProtocolError as error:
             raise ProtocolError(f"{self.name}: {error}", error.cause) from None
+
+    def _session(
+        self, child: ChildProcess, scenario: Scenario, method: Method, timestep: float
+    ) -> ChildSession:
+        try:
+            self._check(child)
+            return ChildSession(child, scenario, method.name, timestep)
+        except BaseException:
+            given_back(child)
+            raise
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
         """Return a script of the run in JavaScript; empty if the engine has no scripts."""

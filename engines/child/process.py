@@ -68,6 +68,7 @@ class ChildProcess:
     Attributes
     ----------
     hello : the engine's description of itself; None before the process was asked for it
+    is_used : whether it has been used before
 
     Raises
     ------
@@ -80,6 +81,7 @@ class ChildProcess:
     def __init__(self, command: Sequence[str], limit: float) -> None:
         self.command = command
         self.hello: Hello | None = None
+        self.is_used = self._has_refused = False
         self._limit = limit
         self._number = 0
         self._received = b""
@@ -126,6 +128,14 @@ class ChildProcess:
         """Whether the child may be called again."""
         return self._broken is None
 
+    @property
+    def can_open(self) -> bool:
+        """Whether the child may be given another scene.
+
+        After an answer with an error it is not: the engine may have no memory left, or be broken.
+        """
+        return self.usable and not self._has_refused
+
     def ask(self, expected: type[A], do: str, /, **arguments: Any) -> A:
         """Send a call to the child, and return its answer.
 
@@ -164,6 +174,7 @@ class ChildProcess:
         except Misanswer as error:
             raise ProtocolError(f"its answer to '{do}' {error}", "protocol") from None
         if isinstance(answer, Refusal):
+            self._has_refused = True
             raise EngineError(printable(" ".join(answer.error.split())))
         return answer
 
@@ -267,8 +278,11 @@ def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
 
 
 def given_back(child: ChildProcess) -> None:
-    """Keep a child for the next scene, unless it is not usable."""
-    if child.usable:
+    """Keep a child for the next scene, or end it if it may not be given another one."""
+    child.is_used = True
+    if not child.can_open:
+        child.end()
+    else:
         _idle.setdefault(tuple(child.command), []).append(child)
 
 

@@ -31,7 +31,7 @@ HELLO = {
 answers = os.fdopen(int(os.environ["SPINCHECK_ANSWERS"]), "w", buffering=1)
 scene: dict = {}
 timestep = 0.0
-taken = 0
+taken = opened = 0
 
 
 def state() -> dict:
@@ -51,12 +51,14 @@ def state() -> dict:
 
 
 def answer(call: dict) -> dict:
-    global scene, timestep, taken
+    global scene, timestep, taken, opened
     match call["do"]:
         case "hello":
             return HELLO
         case "open":
-            scene, timestep, taken = call["scene"], call["timestep"], 0
+            scene, timestep, taken, opened = call["scene"], call["timestep"], 0, opened + 1
+            if FAULT == "frees nothing" and opened > 2:
+                return {"error": "out of memory"}
             body = {"com": [0, 0, 0], "frame": [1, 0, 0, 0], "arm": None}
             body |= {"mass": scene["mass"], "moments": scene["moments"]}
             return {"body": body, "state": state()}

@@ -143,6 +143,11 @@ def test_a_child_that_died_leaves_the_next_run_a_new_one() -> None:
     assert "exit code 3" in reasons.pop()
 
 
+def test_a_child_that_earlier_scenes_have_left_without_memory_is_replaced() -> None:
+    engine = planted("frees nothing")
+    assert {ran(engine).outcome for _ in range(5)} == {"ok"}
+
+
 def test_a_child_killed_while_it_was_idle_is_replaced() -> None:
     engine = planted()
     (child,) = process._idle[engine.command]
