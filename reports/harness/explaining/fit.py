@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ....scenarios import FloatArray
+from ....scenarios.rotation import norms
 from ...results.evidence import Explanation
 from .changes import FITTED_TENSORS, GYROSCOPIC_TENSOR
 from .hypothesis import Change, Hypothesis
@@ -30,8 +31,6 @@ EPS, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 EVALUATIONS, SMALL = 20, 1e-5
 #: Tolerances of scaled parameters at which a fit ends: to all data, and to a part of them.
 TOLERANCE, ROUGH = 1e-9, 1e-3
-#: How many trials of a race that are not near the best go on, at least, if they may; or a quarter.
-FINALISTS = 8
 #: If a fit to a part of the data leaves a larger mean square than this, it is not continued: with
 #: more of the data there are only local minima.
 UNEXPLAINED = 100.0
@@ -49,14 +48,8 @@ class Data(ABC):
     base: Hypothesis
 
     @abstractmethod
-    def deviations(
-        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
-    ) -> FloatArray:
+    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
         """The residuals of H hypotheses; nan where a hypothesis leads to no finite motion.
-
-        Parameters
-        ----------
-        samples : how many of the first samples count; all of them if None
 
         Returns
         -------
@@ -73,17 +66,17 @@ class Data(ABC):
         return 1.0
 
     @property
-    def parts(self) -> Sequence[int | None]:
-        """The numbers of first samples that a fit proceeds through; None for all samples."""
-        return (None,)
+    def growing(self) -> Sequence["Data"]:
+        """More and more of the first samples, which a fit proceeds through; at last all data."""
+        return (self,)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
         """How much smaller χ² of the residuals after a change is than χ² before it."""
         return float(np.sum(before**2) - np.sum(after**2)) / self.correlated
 
-    def residuals(self, hypotheses: Sequence[Hypothesis], samples: int | None = None) -> FloatArray:
+    def residuals(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
         """The residuals of H hypotheses, all of them finite, (H, m)."""
-        finite = np.nan_to_num(self.deviations(hypotheses, samples), nan=NOT_FINITE)
+        finite = np.nan_to_num(self.deviations(hypotheses), nan=NOT_FINITE)
         return np.clip(finite, -NOT_FINITE, NOT_FINITE).reshape(len(hypotheses), -1)
 
 
@@ -202,25 +195,10 @@ class Trial:
         steps = SMALL * np.eye(len(self.scales))
         return [self.hypothesis(x) for x in np.vstack([zero, steps])]
 
-    def chi2_decrease_if_linear(self, before: Fit) -> float:
-        """How much smaller χ² is than that of a fit with other changes, to first order.
-
-        This is a score test (C. R. Rao, Math. Proc. Camb. Philos. Soc. 44 (1948) 50), which takes
-        no fit: the changes that both have keep the derivatives of the earlier fit.
-        """
+    def around(self, before: Fit, last: int) -> list[Hypothesis]:
+        """The hypotheses at a fit's parameters, and with a small step in each of the last ones."""
         x, steps = self._start(before), SMALL * np.eye(len(self.scales))
-        added = [k for k, change in enumerate(self._each) if change not in before.changes]
-        residuals = self.data.residuals([self.hypothesis(one) for one in (x, *(x + steps[added]))])
-        common = [one for one in self.changes if one in before.changes]
-        kept = [before.jacobian[:, before.columns(one)] for one in common]
-        jacobian = np.hstack([*kept, (residuals[1:] - residuals[0]).T / SMALL])
-        best = np.linalg.lstsq(jacobian, residuals[0], rcond=RANK)[0]
-        return self.data.chi2_decrease(before.residuals, residuals[0] - jacobian @ best)
-
-    @property
-    def _each(self) -> list[Change]:
-        """The change that each parameter belongs to, (k,)."""
-        return [change for change in self.changes for _ in change.scales]
+        return [self.hypothesis(one) for one in (x, *(x + steps[len(x) - last :]))]
 
     def _start(self, before: Fit) -> FloatArray:
         """The scaled parameters of a fit of some of the changes; zeros for the others, (k,)."""
@@ -232,44 +210,22 @@ class Trial:
 
         Parameters
         ----------
-        before : a fit of some of the changes, whose parameters the search starts from. Without one,
-            or if it explains nothing, the search starts from zero, with a part of the data
+        before : a fit of some of the changes, whose parameters the fit starts from. Without one it
+            starts from zero, with the first samples, and goes on to all data, unless the residuals
+            of a part are so large that only local minima are left
         """
-        x, parts, most = np.zeros(len(self.scales)), self.data.parts[:-1], EVALUATIONS
-        if before is not None and not before.explains_nothing:
-            x, parts = self._start(before), ()
-        for samples in parts if len(x) else ():
-            x, square = self.fit_part(x, samples)
-            if square > UNEXPLAINED:
-                most = 1
-                break
-        return self.fit_from(x, most)
+        if before is not None:
+            return self._fit_from(self._start(before))
+        x = np.zeros(len(self.scales))
+        for data in self.data.growing[:-1] if len(x) else ():
+            found = Trial(data, self.changes)._least_squares(x, ROUGH, EVALUATIONS)
+            x = found.x
+            if mean_square(found.fun) > UNEXPLAINED:
+                return self._fit_from(x, evaluations=1)
+        return self._fit_from(x)
 
-    def fit_part(self, x: FloatArray, samples: int | None) -> tuple[FloatArray, float]:
-        """Fit the scaled parameters roughly to the first samples.
-
-        Parameters
-        ----------
-        x : scaled parameters that the search starts from, (k,)
-
-        Returns
-        -------
-        The fitted ones, and the mean square of the residuals
-        """
-        if not len(x):
-            return x, mean_square(self.data.residuals([self.hypothesis(x)], samples))
-        found = self._least_squares(x, samples, ROUGH, EVALUATIONS)
-        return found.x, mean_square(found.fun)
-
-    def _least_squares(
-        self, x: FloatArray, samples: int | None, tolerance: float, evaluations: int
-    ) -> Any:
-        """The result of `scipy.optimize.least_squares`, started from scaled parameters, (k,).
-
-        Parameters
-        ----------
-        samples : how many of the first samples count; all of them if None
-        """
+    def _least_squares(self, x: FloatArray, tolerance: float, evaluations: int) -> Any:
+        """The result of `scipy.optimize.least_squares`, started from scaled parameters, (k,)."""
 
         # The residuals of all finite differences are computed at once, which takes less time.
         @lru_cache(1)
@@ -279,7 +235,7 @@ class Trial:
             steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
             hypotheses = [self.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
             prior = np.stack([self.data.prior_residuals(one) for one in hypotheses])
-            residuals = np.hstack([self.data.residuals(hypotheses, samples), prior])
+            residuals = np.hstack([self.data.residuals(hypotheses), prior])
             return residuals[0], (residuals[1:] - residuals[0]).T / steps
 
         def residuals(x: FloatArray) -> FloatArray:
@@ -290,13 +246,13 @@ class Trial:
 
         return least_squares(residuals, x, jacobian, xtol=tolerance, max_nfev=evaluations)
 
-    def fit_from(self, x: FloatArray, evaluations: int = EVALUATIONS) -> Fit:
+    def _fit_from(self, x: FloatArray, evaluations: int = EVALUATIONS) -> Fit:
         """Fit the parameters to all data, starting from given scaled ones, (k,)."""
         if not len(x):
             (residuals,) = self.data.residuals([self.hypothesis(x)])
             none = np.empty((0, 0)), residuals, 0, np.empty((len(residuals), 0))
             return Fit(self.changes, self.hypothesis(x), x, *none)
-        found = self._least_squares(x, None, TOLERANCE, evaluations)
+        found = self._least_squares(x, TOLERANCE, evaluations)
         x = found.x
         J = np.asarray(found.jac)
         measured = len(J) - len(self.data.prior_residuals(self.data.base))
@@ -327,31 +283,37 @@ def linear(trials: Sequence[Trial]) -> list[Linear]:
     return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]
 
 
-def race(trials: Sequence[Trial], margin: float, factor: float = 1.0) -> list[Fit]:
-    """Fit those of many trials of the same data that keep up with the best of them.
+def residuals_if_linear(
+    data: Data, before: Fit, kept: tuple[Change, ...], others: Sequence[Change]
+) -> FloatArray:
+    """The residuals of some changes of a fit with each of M other changes, to first order, (M, m).
 
-    They are fitted to more and more of the data (successive halving: K. Jamieson & A. Talwalkar,
-    AISTATS 2016). A trial is dropped as soon as it explains a part much worse than the best one;
-    all are dropped if none explains a part.
+    This takes no fit, as the score test (C. R. Rao, Math. Proc. Camb. Philos. Soc. 44 (1948) 50):
+    the changes that are kept keep the derivatives of the earlier fit.
 
     Parameters
     ----------
-    margin : by how much χ² of a trial may exceed that of the best
-    factor : by which the mean square of the best quarter of all others may exceed it
+    kept : those changes of the fit that each of the others is added to
     """
-    if not trials:
-        return []
-    data, running = trials[0].data, [(trial, np.zeros(len(trial.scales))) for trial in trials]
-    for samples in data.parts[:-1]:
-        tried = [(*trial.fit_part(x, samples), trial) for trial, x in running]
-        tried = sorted(tried, key=lambda one: one[1])
-        count, least = data.residuals([data.base], samples).size, tried[0][1]
-        if least > UNEXPLAINED:
-            return []
-        near = [one for one in tried if one[1] <= least + margin / count]
-        far = [one for one in tried[len(near) :] if one[1] <= factor * least]
-        running = [(trial, x) for x, _, trial in near + far[: max(FINALISTS, len(far) // 4)]]
-    return [trial.fit_from(x) for trial, x in running]
+    trials = [Trial(data, (*kept, other)) for other in others]
+    around = [
+        trial.around(before, len(one.scales)) for trial, one in zip(trials, others, strict=True)
+    ]
+    residuals = data.residuals([one for each in around for one in each])
+    parts = np.split(residuals, np.cumsum([len(each) for each in around])[:-1])
+    columns = [before.jacobian[:, before.columns(one)] for one in kept]
+    jacobian = np.hstack([np.empty((len(before.residuals), 0)), *columns])
+    basis, sizes, _ = np.linalg.svd(jacobian, full_matrices=False)
+    basis = basis[:, sizes > RANK * sizes.max(initial=0.0)]
+    left = []
+    for part in parts:
+        columns_of_other = (part[1:] - part[0]).T / SMALL
+        rest = part[0] - basis @ (basis.T @ part[0])
+        beside = columns_of_other - basis @ (basis.T @ columns_of_other)
+        # What the kept changes explain as well has no direction of its own.
+        beside *= norms(beside.T) > RANK * norms(columns_of_other.T)
+        left.append(rest - beside @ np.linalg.lstsq(beside, rest, rcond=RANK)[0])
+    return np.array(left)
 
 
 def of_pairs(

@@ -7,7 +7,7 @@ Statist. 9 (1938) 60) with Bonferroni's correction.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 
@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import chdtri
 
 from ....scenarios import FloatArray
-from .fit import Data, Fit, Linear, Trial, linear, of_pairs
+from .fit import Data, Fit, Linear, Trial, linear, mean_square, of_pairs, residuals_if_linear
 from .hypothesis import Change
 
 #: The significance level: the probability that noise alone makes a search find a change.
@@ -31,7 +31,7 @@ MOST_OF_ALL = 10
 #: changes, if it does that to the residuals of either change alone. Of the pairs with as many
 #: parameters the best `PAIRS` are fitted.
 PROMISING, PAIRS = 0.5, 3
-#: How many changes of one kind are fitted in each step of a stepwise search: the best linearised.
+#: How many trials are fitted in each step of a stepwise regression: the best if linearised.
 LIKELIEST = 3
 
 
@@ -44,12 +44,14 @@ class Search:
     most : the most parameters of a fit that leaves more than noise and a method's error, as many
         parameters explain a little of anything; no limit if None
     part : the fraction to which a change must reduce the residuals to explain them
+    usual : the changes that such data often call for
     """
 
     data: Data
     changes: Sequence[Change]
     most: int | None = None
     part: float = LEFT
+    usual: Sequence[Change] = ()
 
     @cached_property
     def unchanged(self) -> Fit:
@@ -105,78 +107,139 @@ class Search:
         """Each change by itself, linearised."""
         return linear(self.trials)
 
-    def stepwise(self, first: tuple[Change, ...], most: int) -> Fit:
-        """The best set of changes by stepwise regression.
+    def growing(self, most: int, kept: tuple[Change, ...] = ()) -> Fit:
+        """The best set of changes by stepwise regression, to more and more of the data.
 
-        In each step a change is added or left out, whichever improves the score most. Where neither
-        does, one with parameters is replaced by one without, or two by one with one parameter.
+        It begins with the first samples, where the motion is nearly linear in the parameters, and
+        goes on from the changes and parameters that explain them. It ends where residuals are so
+        large that no parameters mean anything.
 
         Parameters
         ----------
-        first : the changes that the search starts from
         most : how many changes there may be
+        kept : the changes that it begins with, and that are left out at the end only
         """
-        fit = Trial(self.data, first).fit()
+        fit = Trial(self.data.growing[0], kept).fit()
+        for data in self.data.growing:
+            search = replace(self, data=data)
+            fit = search.stepwise(Trial(data, fit.changes).fit(fit), most, kept)
+            if fit.explains_nothing:
+                return Trial(self.data, fit.changes).fit(fit)
+        return self.stepwise(fit, most) if kept else fit
+
+    def stepwise(self, fit: Fit, most: int, kept: tuple[Change, ...] = ()) -> Fit:
+        """The best set of changes by stepwise regression, which begins with those of a fit.
+
+        In each step a change is added, left out, or takes the place of another, whichever improves
+        the score most.
+
+        Parameters
+        ----------
+        most, kept : as in `growing`
+        """
         while True:
-            best = max([fit, *self._fewer(fit), *self._one_more(fit, most)], key=self.score)
-            if best is fit:
-                best = max([fit, *self._plainer(fit)], key=self.score)
+            one_less = [one for one in _without(fit.changes, 1) if set(kept) <= set(one)]
+            fewer = [Trial(self.data, one).fit(fit) for one in one_less]
+            others = self._others(fit, [fit.changes, *one_less], most)
+            best = max([fit, *fewer, *others], key=self.score)
             if best is fit:
                 return fit
             fit = best
 
-    def _fewer(self, fit: Fit) -> Iterator[Fit]:
-        """Fits with one of the changes left out."""
-        for one in fit.changes:
-            yield Trial(self.data, tuple(c for c in fit.changes if c is not one)).fit(fit)
+    def _others(self, fit: Fit, subsets: Sequence[tuple[Change, ...]], most: int) -> Iterator[Fit]:
+        """Fits with another change beside some of those of a fit, if it improves the score.
 
-    def _one_more(self, fit: Fit, most: int) -> Iterator[Fit]:
-        """Fits with one more change, if there may be one.
+        Those that improve the score most if linearised are fitted.
 
-        The likeliest are fitted, or all where the fit so far explains nothing.
+        Parameters
+        ----------
+        subsets : the changes of the fit that another one is added to
+        most : how many changes there may be
         """
-        if len(fit.changes) < most:
-            others = (one for one in self.changes if one not in fit.changes)
-            trials = [Trial(self.data, (*fit.changes, one)) for one in others]
-            likely = trials if fit.explains_nothing else self._likeliest(fit, trials)
-            yield from (self._more(fit, trial) for trial in likely)
+        trials: list[tuple[float, Trial]] = []
+        others = [one for one in self.changes if one not in fit.changes]
+        for some in subsets if len(fit.changes) < most else subsets[1:]:
+            residuals = residuals_if_linear(self.data, fit, some, others)
+            for other, left in zip(others, residuals, strict=True):
+                decrease = self.data.chi2_decrease(self.unchanged.residuals, left)
+                changes = (*some, other)
+                trials.append((decrease - self._penalty(changes), Trial(self.data, changes)))
+        trials.sort(key=lambda one: -one[0])
+        yield from (one.fit(fit) for score, one in trials[:LIKELIEST] if score > self.score(fit))
 
-    def _plainer(self, fit: Fit) -> Iterator[Fit]:
-        """Fits with one change that has no parameters for another, or with one for two changes."""
-        trials = []
-        for count, replaced in [(0, (one,)) for one in fit.changes if len(one.scales)] + [
-            (1, pair) for pair in combinations(fit.changes, 2)
-        ]:
-            kept = tuple(one for one in fit.changes if one not in replaced)
-            others = (c for c in self.changes if c not in fit.changes and len(c.scales) == count)
-            trials += [Trial(self.data, (other, *kept)) for other in others]
-        yield from (trial.fit(fit) for trial in self._likeliest(fit, trials))
+    def simplified(self, fit: Fit, but: Change) -> Fit:
+        """The fit, or a simpler one that the Bayesian information criterion prefers.
 
-    def _likeliest(self, fit: Fit, trials: Sequence[Trial]) -> list[Trial]:
-        """The trials, which share changes with a fit, that lower its χ² most to first order."""
+        In a simpler fit one change takes the place of another, or of two (G. Schwarz, Ann. Statist.
+        6 (1978) 461).
 
-        def score(trial: Trial) -> float:
-            penalty = sum(self._critical(len(change.scales)) for change in trial.changes)
-            return trial.chi2_decrease_if_linear(fit) - penalty
-
-        return sorted(trials, key=score, reverse=True)[:LIKELIEST]
-
-    def _more(self, fit: Fit, trial: Trial) -> Fit:
-        """Fit a trial that has one more change than `fit`, starting from the parameters of `fit`.
-
-        If the residuals of `fit` exceed noise, those parameters may lead to a local minimum: the
-        trial is fitted from zero, too, and the fit with the higher score is returned.
+        Parameters
+        ----------
+        but : a change that none takes the place of
         """
-        one = trial.fit(fit)
-        if fit.explains_nothing or fit.mean_square <= largest_of_noise(fit.residuals.size):
-            return one
-        return max(one, trial.fit(), key=self.score)
+        subsets = [*_without(fit.changes, 1), *_without(fit.changes, 2)]
+        subsets = [one for one in subsets if but in one or but not in fit.changes]
+        simpler = [one for kept in subsets for one in self._simpler(fit, kept) if one.is_physical]
+        best = min([fit, *simpler], key=self._information)
+        return fit if best is fit else self.simplified(best, but)
+
+    def _simpler(self, fit: Fit, kept: tuple[Change, ...]) -> list[Fit]:
+        """Fits of some changes of a fit with another one, simpler than the fit.
+
+        The other change is promising in the first of the growing data that those kept do not
+        explain as well as the fit. From there on χ² is not significantly larger than that of the
+        fit.
+        """
+        room = self._complexity(fit.changes) - self._complexity(kept)
+        others = [one for one in self.changes if one not in fit.changes]
+        others = [one for one in others if self._complexity([one]) < room]
+        alone, fits = None, None
+        for data in self.data.growing if others else ():
+            search, of_fit = replace(self, data=data), Trial(data, fit.changes).fit(fit)
+            if fits is None:
+                alone = Trial(data, kept).fit(alone)
+                if search.improvement(alone, of_fit) <= 0:
+                    continue
+                fits = [*search._promising(alone, of_fit, others)]
+            else:
+                fits = [Trial(data, one.changes).fit(one) for one in fits]
+            fits = [one for one in fits if search.improvement(one, of_fit) <= 0]
+        return fits or []
+
+    def _promising(self, alone: Fit, fit: Fit, others: Sequence[Change]) -> Iterator[Fit]:
+        """Fits with one of some other changes besides those of `alone`.
+
+        If linearised it leaves no more than the fraction `PROMISING` of what they leave beyond
+        another fit. Their parameters start from those of either fit.
+        """
+        enough = fit.mean_square + PROMISING**2 * (alone.mean_square - fit.mean_square)
+        starts = alone, fit
+        each = [residuals_if_linear(self.data, one, alone.changes, others) for one in starts]
+        for other, *left in zip(others, *each, strict=True):
+            squares = [mean_square(one) for one in left]
+            if min(squares) <= enough:
+                start = starts[int(np.argmin(squares))]
+                yield Trial(self.data, (*alone.changes, other)).fit(start)
+
+    def _complexity(self, changes: Sequence[Change]) -> int:
+        """How many parameters changes have; the choice of an unusual one counts as one more."""
+        return sum(len(one.scales) + (one not in self.usual) for one in changes)
+
+    def _information(self, fit: Fit) -> float:
+        """The Bayesian information criterion of a fit, but for a constant."""
+        count = fit.residuals.size / self.data.correlated
+        decrease = self.data.chi2_decrease(self.unchanged.residuals, fit.residuals)
+        return self._complexity(fit.changes) * float(np.log(count)) - decrease
 
     def score(self, fit: Fit) -> float:
         """How much its changes lower χ², less what chance makes each of them lower it."""
-        penalty = sum(self._critical(len(change.scales)) for change in fit.changes)
-        penalty += float(np.sum(self.data.prior_residuals(fit.hypothesis) ** 2))
-        return self.data.chi2_decrease(self.unchanged.residuals, fit.residuals) - penalty
+        decrease = self.data.chi2_decrease(self.unchanged.residuals, fit.residuals)
+        of_prior = float(np.sum(self.data.prior_residuals(fit.hypothesis) ** 2))
+        return decrease - self._penalty(fit.changes) - of_prior
+
+    def _penalty(self, changes: Sequence[Change]) -> float:
+        """The largest decrease of χ² that so many changes make by chance alone."""
+        return sum(self._critical(len(change.scales)) for change in changes)
 
     def _pairs(self) -> list[Fit]:
         """Fits of pairs of changes both of which are needed.
@@ -234,3 +297,8 @@ class Search:
 def largest_of_noise(count: int) -> float:
     """The largest mean square that noise makes of so many residuals, at the significance level."""
     return float(chdtri(count, SIGNIFICANCE)) / count
+
+
+def _without(changes: tuple[Change, ...], count: int) -> list[tuple[Change, ...]]:
+    """All subsets of changes with so many fewer."""
+    return [*combinations(changes, len(changes) - count)] if len(changes) >= count else []

@@ -41,13 +41,11 @@ class Gains(Data):
     excess: FloatArray
     noise: FloatArray
 
-    def deviations(
-        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
-    ) -> FloatArray:
+    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
         """The residual gains under each of H hypotheses, in units of `scale`, (H, K, 4, 3)."""
         made = np.stack([self.made(one) for one in hypotheses])
         off = (self.excess - made + self.exact) / self.scale[..., None]
-        return np.asarray(off[:, :samples])
+        return np.asarray(off)
 
     @cached_property
     def scale(self) -> FloatArray:

@@ -304,7 +304,7 @@ def _of_measured(fit: Measured, case: Case) -> Explanation:
     """Explain a measured motion, by other physics if its residuals exceed noise."""
     physics = case.physics
     words = physics.dissipated if fit.search.is_called_for else []
-    if not words and fit.is_far and (physics.clamps or physics.by_change is None):
+    if not words and fit.is_beyond and (physics.clamps or physics.by_change is None):
         # The attitudes are the scene's only if a sensor is limited, and not the body itself.
         words = fit.right_by_itself
     words = words or (_of_equations(case) if fit.is_beyond else []) or fit.explained()

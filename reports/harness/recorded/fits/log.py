@@ -54,32 +54,29 @@ class Log(Data):
         return FASTER * float(max(speeds.max(), self.base.equations.rate, self.noise[1]))
 
     @cached_property
-    def parts(self) -> Sequence[int | None]:
+    def growing(self) -> Sequence["Log"]:
         """As in `Data`: first samples, whose motion is nearly linear in its start, to all."""
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
-        length, lengths = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), []
+        length, logs = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), []
         while length < len(self.t):
-            lengths.append(length)
+            logs.append(replace(self, t=self.t[:length], states=self.states[:length]))
             length *= 2
-        return (*lengths, None)
+        return (*logs, self)
 
     @property
     def measured(self) -> int:
         """How many numbers each sample has that are fitted."""
         return 6 if self.has_omega else 3
 
-    def deviations(
-        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
-    ) -> FloatArray:
+    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
         """As in `Data`: the residuals of H hypotheses, in standard deviations of noise.
 
         Returns
         -------
         (H, n, 6): of attitude and ω; (H, n, 3) without ω
         """
-        t = self.t[:samples]
-        read = as_read(hypotheses, self.made(hypotheses, t), t)
-        deviation = apart(read, self.states[:samples]) / np.repeat(self.noise, 3)
+        read = as_read(hypotheses, self.made(hypotheses, self.t), self.t)
+        deviation = apart(read, self.states) / np.repeat(self.noise, 3)
         return deviation[..., : self.measured]
 
     def made(self, hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:

@@ -4,10 +4,8 @@ The exact motion is fitted to all samples at once by maximum likelihood, with no
 noise.
 """
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -30,7 +28,7 @@ from ...explaining.effect_changes import (
     usual_torque,
     world_turning,
 )
-from ...explaining.fit import Fit, Trial, race
+from ...explaining.fit import Fit, Trial
 from ...explaining.hypothesis import Change, Hypothesis
 from ...explaining.search import LEFT, SIGNIFICANCE, Search
 from ..samples.intervals import apart
@@ -43,9 +41,6 @@ from .right_by_itself import right_by_itself, uneven_times
 MOST_CHANGES, MOST_PARAMETERS = 4, 3
 #: Largest turn of the body, rad, in the time by which all states are late.
 LATEST = 30.0
-#: By how much χ² of the first samples may exceed that of the best change, for a change to be fitted
-#: to more of them: by chance it exceeds it by more for one change in 10⁹.
-MARGIN = 50.0
 #: Factor by which the degrees of freedom of neighbouring fourth differences, which share noise, are
 #: fewer than the differences: Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
@@ -102,89 +97,51 @@ class LogFit:
         return Change("late", shift_time, np.array([1 / rate]))
 
     @cached_property
-    def search(self) -> Search:
-        """The search for changes that the samples require, with the noise before any fit."""
+    def general(self) -> list[Change]:
+        """The changes that a measured motion usually calls for, with any parameters."""
         equations = self.given.base.equations
         scene = self.scenario, equations
-        candidates = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
-        candidates += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
-        candidates += [momentum(*scene), *resistance_of_other_powers(*scene)]
-        if self.given.has_omega:
-            candidates += [*OF_LOGS, world_turning(1.0)]
-        return Search(self.given, candidates)
+        found = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
+        found += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
+        found += [momentum(*scene), *resistance_of_other_powers(*scene)]
+        return [*found, *OF_LOGS, world_turning(1.0)] if self.given.has_omega else found
+
+    @cached_property
+    def search(self) -> Search:
+        """The search for changes that the samples require, with the noise before any fit.
+
+        Noise may hide that a tensor has other axes than those of special changes: they are left
+        out.
+        """
+        special = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
+        special = [one for one in special if len(one.scales) <= MOST_PARAMETERS]
+        usual = [*self.general, self.late, self.axes]
+        left_out = FITTED_TENSORS | {one.kind for one in usual}
+        special = [one for one in special if one.kind not in left_out]
+        return Search(self.given, [*usual, *special], usual=usual)
 
     @cached_property
     def found(self) -> Fit:
         """The best fit, with all the changes that the samples require."""
-        search, both = self.search, (START, self.tensor)
-        single = [one.fit() for one in search.trials]
+        search = self.search
+        found = search.growing(MOST_CHANGES)
+        if self._is_beyond(found) or len(found.changes) > 1:
+            # Most measured bodies have another start and tensor, whatever else.
+            other = search.growing(MOST_CHANGES, (START, self.tensor))
+            found = max(found, other, key=search.score)
+        if self._is_beyond(found) and self.given.has_omega and not self.right_by_itself:
+            every = replace(search, changes=[*search.changes, CROSS_AXIS])
+            found = max(found, every.growing(MOST_CHANGES), key=search.score)
         # It has so many parameters that it explains a part of any motion.
         torque = Trial(self.given, (self.by_attitude,)).fit()
-        single += [] if self._is_beyond(torque) else [torque]
-        found = max(single, key=search.score)
-        if not found.explains_nothing:
-            found = search.stepwise(found.changes, MOST_CHANGES)
-        if self._is_beyond(found):
-            # Changes that are needed together may each explain nothing alone.
-            found = max(found, search.stepwise(both, MOST_CHANGES), key=search.score)
-        if self._is_beyond(found) and not self.right_by_itself:
-            # Beside a second mistake, a single change has residuals far beyond noise.
-            first = max(self._raced([(), (START,)], 1 / LEFT), key=search.score, default=found)
-            every = replace(search, changes=[*search.changes, CROSS_AXIS])
-            other = every.stepwise(first.changes, len(first.changes) + 1)
-            found = found if self._is_beyond(other) else other
-        narrower = (one for one in self._narrower(found) if search.improvement(one, found) <= 0)
-        found = max(narrower, key=search.score, default=found)
-        return self._special(found) or found
-
-    def _special(self, found: Fit) -> Fit | None:
-        """Return a fit with a special change of the equations in place of general ones; or None.
-
-        Tensors and torques that are fitted explain, in part, other mistakes, too. None is returned
-        if no such fit explains as much, or if the residuals exceed noise.
-        """
-        general = [one for one in found.changes if one is not START and one not in OF_LOGS]
-        if not general or self._is_beyond(found):
-            return None
-        # More than two general changes merely match the data: they are replaced all at once.
-        fewer = [*combinations(general, 2), *((one,) for one in general)]
-        for replaced in fewer if len(general) <= 2 else [general]:
-            kept = tuple(one for one in found.changes if one not in replaced)
-            fits = [one for one in self._raced([kept]) if self.search.improvement(one, found) <= 0]
-            fits = [one for one in fits if len(one.parameters) < len(found.parameters)]
-            if fits:
-                return min(fits, key=lambda fit: len(fit.parameters))
-        return None
-
-    def _raced(self, besides: Sequence[tuple[Change, ...]], factor: float = 1.0) -> list[Fit]:
-        """Return the best fits of each change of the equations, beside some other changes.
-
-        Parameters
-        ----------
-        besides : the sets of other changes that each is tried with
-        factor : as in `race`
-        """
-        # Noise may hide that a tensor has other axes than the special ones: these are not tried.
-        others = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
-        others = [one for one in others if one.kind not in FITTED_TENSORS]
-        special = [one for one in others if len(one.scales) <= MOST_PARAMETERS]
-        trials = [Trial(self.given, (one, *more)) for more in besides for one in special]
-        return [fit for fit in race(trials, MARGIN, factor) if fit.is_physical]
-
-    def _narrower(self, found: Fit) -> Iterator[Fit]:
-        """Yield fits in which special changes with fewer parameters replace general ones."""
-        both = START, self.tensor
-        if START in found.changes:
-            others = [one for one in found.changes if one is not START]
-            yield Trial(self.given, (*others, self.late)).fit(found)
-        if set(both) <= set(found.changes):
-            others = [one for one in found.changes if one not in both]
-            # The same body has another start and another tensor along other axes.
-            yield Trial(self.given, (self.axes, *others)).fit()
-        if self.by_attitude in found.changes:
-            of_dipole = dipole(found.parameters_of(self.by_attitude).reshape(3, 3))
-            others = [one for one in found.changes if one is not self.by_attitude]
-            yield Trial(self.given, (of_dipole, *others)).fit(found)
+        if not self._is_beyond(torque):
+            found = max(found, torque, key=search.score)
+        if found is torque:
+            of_dipole = Trial(self.given, (dipole(torque.parameters.reshape(3, 3)),)).fit()
+            if search.improvement(of_dipole, torque) <= 0:
+                return of_dipole
+        # Of most measured bodies the start is not known either: it needs no cause.
+        return found if self._is_beyond(found) else search.simplified(found, but=START)
 
     def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:
         """Return the mistakes of a gyroscope that explain about as much as a given one.

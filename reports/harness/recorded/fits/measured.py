@@ -67,11 +67,18 @@ class Measured(LogFit):
         ----------
         but : a change that is not named
         """
-        if self.is_far:
+        if self.is_far or (self.is_beyond and self.right_by_itself):
             return self.right_by_itself
         if not self.given.is_stated and self.uneven_times:
             return self.uneven_times
         required = [one for one in self.fit.changes if one is not but and self.is_required(one)]
+        # Changes of the equations are named before mistakes of sensors, specific ones first.
+        of_sensors = [*OF_LOGS, CROSS_AXIS]
+        required.sort(
+            key=lambda one: (
+                (1, of_sensors.index(one)) if one in of_sensors else (0, len(one.scales))
+            )
+        )
         return [self._in_words(change) for change in required]
 
     def _in_words(self, change: Change) -> str:
@@ -102,7 +109,7 @@ class Measured(LogFit):
             listed = ", ".join(f"{error:.2g}" for error in errors)
         listed = f" (± {listed})" if listed else ""
         before = "" if KINDS[change.kind].is_kinematic else "it moves as if "
-        if change not in self.search.changes and not before:
+        if change not in self.general and not before:
             before = f"{KINEMATICS}: "
         return f"{before}{self.fit.explanation(change).words}{listed}"
 

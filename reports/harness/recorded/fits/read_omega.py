@@ -56,12 +56,10 @@ class ReadOmega(Data):
     read: FloatArray
     error: float
 
-    def deviations(
-        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
-    ) -> FloatArray:
+    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
         """The residuals of ω for H hypotheses, in standard deviations, (H, n, 3)."""
         computed = as_read(hypotheses, np.repeat(self.body[None], len(hypotheses), axis=0), self.t)
-        return np.asarray((computed[..., 4:] - self.read) / self.error)[:, :samples]
+        return np.asarray((computed[..., 4:] - self.read) / self.error)
 
 
 def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:

@@ -53,14 +53,12 @@ class BesideMethods(Data):
         """As in `Data`: the residuals that the next term of a method's error makes count as one."""
         return self.intervals.correlated
 
-    def deviations(
-        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
-    ) -> FloatArray:
+    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
         """As in `Data`, in units of the scale and of the errors of methods together, (H, S, 6)."""
         each = self.intervals.deviations(hypotheses)
         flat = each.reshape(len(hypotheses), -1)
         of_methods = (flat @ self.directions) * (1 - 1 / np.hypot(1.0, self.sizes))
-        return np.asarray(flat - of_methods @ self.directions.T).reshape(each.shape)[:, :samples]
+        return np.asarray(flat - of_methods @ self.directions.T).reshape(each.shape)
 
 
 def within_error(

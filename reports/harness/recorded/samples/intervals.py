@@ -77,9 +77,7 @@ class Intervals(Data):
         """
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
-    def deviations(
-        self, hypotheses: Sequence[Hypothesis], samples: int | None = None
-    ) -> FloatArray:
+    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
         """As in `Data`: the residuals at the ends, in units of `scale`, (H, S, 6)."""
         starts = as_it_was(hypotheses, self.starts, self.t - self.spans[:, 0])
         steps = np.array([one.step for one in hypotheses])
@@ -88,9 +86,7 @@ class Intervals(Data):
         computed = follow_each(equations, starts, spans, *of_method)[:, :, 0]
         computed = np.where(np.isfinite(computed), computed, np.nan)
         with np.errstate(over="ignore"):
-            return (apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale)[
-                :, :samples
-            ]
+            return apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale
 
     def apart(self, equations: OtherEquations) -> FloatArray:
         """Return the deviations of the ends from an exact flow, rad and rad/s, (S, 6)."""
