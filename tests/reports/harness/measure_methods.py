@@ -61,7 +61,8 @@ installs for it beside spincheck's own parts. *First step*: CPU seconds to it of
 process after spincheck has started, which imports MuJoCo and PyBullet, with compiled parts in the
 cache. *Step*: CPU time of one, with many in a call where the engine can. What an accuracy costs is
 the error against the seconds in any report: `spincheck run {scene} --engine NAME`. `(shipped)`: as
-shipped, with what acts by default. Other blanks: not measured.
+shipped, with what acts by default. Other blanks: not measured, or no longer finite before enough
+steps were timed.
 
 Made by `make methods`, with the engines installed that have figures.
 
