@@ -116,8 +116,9 @@ class LogFit:
         special = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
         special = [one for one in special if len(one.scales) <= MOST_PARAMETERS]
         usual = [*self.general, self.late, self.axes]
-        left_out = FITTED_TENSORS | {one.kind for one in usual}
-        special = [one for one in special if one.kind not in left_out]
+        same = {(one.kind, len(one.scales)) for one in usual}
+        special = [one for one in special if (one.kind, len(one.scales)) not in same]
+        special = [one for one in special if one.kind not in FITTED_TENSORS]
         return Search(self.given, [*usual, *special], usual=usual)
 
     @cached_property

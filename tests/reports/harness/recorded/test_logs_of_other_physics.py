@@ -76,6 +76,15 @@ def slowed_by_a_rate() -> Arrays:
     return exactly(DRAGGED, rates_of(DRAGGED, torque=lambda omega: -RATE * DRAGGED.inertia @ omega))
 
 
+def dragged_by_a_power() -> Arrays:
+    """A drag in proportion to ‖ω‖^1.5."""
+
+    def torque(omega: np.ndarray) -> np.ndarray:
+        return -0.05 * MOMENT * np.sqrt(np.linalg.norm(omega)) * omega
+
+    return exactly(DRAGGED, rates_of(DRAGGED, torque=torque))
+
+
 def attitudes_of(arrays: Arrays) -> Arrays:
     return {"t": arrays["t"], "q": arrays["q"]}
 
@@ -140,6 +149,14 @@ LOGS: dict[str, Hidden] = {
         ),
         NOISY,
         numbers=(RATE,),
+    ),
+    "drag of another power": Hidden(
+        DRAGGED.scenario,
+        lambda: noisy(dragged_by_a_power()),
+        ("it moves as if drag were ",),
+        NOISY,
+        numbers=(0.05 * MOMENT, 1.5),
+        to=0.03,
     ),
     "another start, of attitudes alone": Hidden(
         FREE.scenario,
