@@ -247,6 +247,16 @@ def _step(
     y[:4] /= math.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
 
 
+@kernel
+def _kept_speed(y: FloatArray, fastest: float) -> float:
+    """Return ‖ω‖ of the state y, rad/s; if it is infinite or exceeds `fastest`, make all of y nan."""
+    omega = vector(y, 4)
+    speed = math.sqrt(dot(omega, omega))
+    if speed > fastest or speed == math.inf:
+        y[:] = speed = math.nan
+    return speed
+
+
 @called
 def _follow(
     equations: FloatArray,
@@ -268,10 +278,7 @@ def _follow(
             y[:] = states[n, s]
             for j in range(spans.shape[2]):
                 span = spans[n, s, j]
-                omega = vector(y, 4)
-                speed = math.sqrt(dot(omega, omega))
-                if speed > fastest:
-                    y[:] = speed = math.nan
+                speed = _kept_speed(y, fastest)
                 if timestep > 0.0:
                     steps = max(1, round(span / timestep))
                 else:
@@ -281,4 +288,5 @@ def _follow(
                 h = span / steps
                 for _ in range(steps):
                     _step(e, y, h, a, b, turned_by, is_exponential, keeps_length, k, at)
+                _kept_speed(y, fastest)
                 ends[n, s, j] = y
