@@ -249,7 +249,7 @@ def _step(
 
 @kernel
 def _kept_speed(y: FloatArray, fastest: float) -> float:
-    """Return ‖ω‖ of the state y, rad/s; if it is infinite or exceeds `fastest`, make all of y nan."""
+    """Return ‖ω‖ of the state y, rad/s; make all of y nan if it is infinite or above `fastest`."""
     omega = vector(y, 4)
     speed = math.sqrt(dot(omega, omega))
     if speed > fastest or speed == math.inf:
