@@ -75,9 +75,11 @@ class Log(Data):
         -------
         (H, n, 6): of attitude and ω; (H, n, 3) without ω
         """
-        read = as_read(hypotheses, self.made(hypotheses, self.t), self.t)
-        deviation = apart(read, self.states) / np.repeat(self.noise, 3)
-        return deviation[..., : self.measured]
+        made = self.made(hypotheses, self.t)
+        # What sensors of far too high a gain or too long a delay read may overflow.
+        with np.errstate(over="ignore", invalid="ignore"):
+            off = apart(as_read(hypotheses, made, self.t), self.states) / np.repeat(self.noise, 3)
+        return off[..., : self.measured]
 
     def made(self, hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
         """Return the states of H hypotheses at times from the first sample's on, (H, n, 7).

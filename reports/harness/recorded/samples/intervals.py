@@ -84,7 +84,8 @@ class Intervals(Data):
         of_method = self.integrator, steps * self.timestep, self.fastest
         equations, spans = [one.equations for one in hypotheses], steps[:, None, None] * self.spans
         computed = follow_each(equations, starts, spans, *of_method)[:, :, 0]
-        return apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale
+        with np.errstate(over="ignore", invalid="ignore"):
+            return apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale
 
     def apart(self, equations: OtherEquations) -> FloatArray:
         """Return the deviations of the ends from an exact flow, rad and rad/s, (S, 6)."""

@@ -138,9 +138,7 @@ def as_read(hypotheses: Sequence[Hypothesis], states: FloatArray, t: FloatArray)
             output[:, :4] = _propagated(h, actual, -h.delay)[:, :4]
         output[:, :4] = _turned(output[:, :4], h.turned)
     by = np.stack([one.read for one in hypotheses])
-    # A motion that is hardly like the measured one may be so fast that this overflows.
-    with np.errstate(over="ignore", invalid="ignore"):
-        read[..., 4:] = read[..., 4:] @ np.swapaxes(by, 1, 2) + _bias_and_drift(hypotheses, t)
+    read[..., 4:] = read[..., 4:] @ np.swapaxes(by, 1, 2) + _bias_and_drift(hypotheses, t)
     return read
 
 

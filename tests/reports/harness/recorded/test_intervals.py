@@ -7,6 +7,7 @@ import pytest
 from planted_motions import case, exactly, rates_of
 from scipy.stats import chi2
 from spincheck.reports.harness.explaining.search import SIGNIFICANCE
+from spincheck.reports.harness.recorded.fits.log import log_of
 from spincheck.reports.harness.recorded.fits.other_physics import Physics
 from spincheck.reports.harness.recorded.samples.intervals import Intervals
 from spincheck.scenarios import Trajectory
@@ -62,3 +63,16 @@ def test_as_many_numbers_are_independent_as_do_not_count_as_one(part: float) -> 
         other = physics()
         vars(other)["intervals"] = of_parts(part, off=np.sqrt(factor * bound))
         assert other.is_beyond == is_beyond
+
+
+def test_residuals_of_far_too_high_and_low_gains_are_finite_and_warn_of_nothing() -> None:
+    has = {"is_stated": True, "has_omega": True}
+    log = log_of(ONE.scenario, MOTION, MOTION, np.full(2, SIZE), **has)
+    mixed = np.array([[1.0, -1, 0], [1, 1, 1], [0, 1, -1]])
+    for data in log, of_parts(0.0):
+        pushed = data.base.of(torque=np.ones(3))
+        gains = [pushed._replace(read=gain * mixed) for gain in (1e306, 1e-306)]
+        as_it_is, *off = data.residuals([data.base, *gains])
+        assert np.abs(as_it_is).max() < 1
+        assert np.isfinite(off).all()
+        assert np.abs(off).max() > 1
