@@ -7,16 +7,18 @@ const RADIUS = 0.05, FAST = 1e9;                 // m; m/s and rad/s, out of rea
 const PLACES = ['X', 'Y', 'Z'], AXES = ['Translation', 'Rotation'].flatMap((kind) => PLACES.map((axis) => J[`SixDOFConstraintSettings_EAxis_${kind}${axis}`]));
 const TWIST = J.SixDOFConstraintSettings_EAxis_RotationX;
 const list = (v) => [v.GetX(), v.GetY(), v.GetZ()];
+// What Jolt copies is held until the world is built: JavaScript does not release what WebAssembly allocates.
+const held = [], make = (Kind, ...numbers) => { const made = new Kind(...numbers); held.push(made); return made; };
 const quaternion = (q) => [q.GetW(), q.GetX(), q.GetY(), q.GetZ()];
 
 function world(gravity) {
-  const settings = new J.JoltSettings(), layer = new J.BroadPhaseLayer(0);
+  const settings = make(J.JoltSettings), layer = make(J.BroadPhaseLayer, 0);
   const pairs = new J.ObjectLayerPairFilterTable(1), layers = new J.BroadPhaseLayerInterfaceTable(1, 1);
   layers.MapObjectToBroadPhaseLayer(0, layer);
   const filter = new J.ObjectVsBroadPhaseLayerFilterTable(layers, 1, pairs, 1);
   Object.assign(settings, { mMaxWorkerThreads: 0, mObjectLayerPairFilter: pairs, mBroadPhaseLayerInterface: layers, mObjectVsBroadPhaseLayerFilter: filter });
   const jolt = new J.JoltInterface(settings);
-  jolt.GetPhysicsSystem().SetGravity(new J.Vec3(...gravity));
+  jolt.GetPhysicsSystem().SetGravity(make(J.Vec3, ...gravity));
   return jolt;
 }
 
@@ -24,29 +26,29 @@ function open(scene, name, timestep) {
   const shipped = name === 'default', jolt = world(scene.gravity), system = jolt.GetPhysicsSystem(), ground = J.Body.prototype.sFixedToWorld;
   const owner = system.GetBodyInterface();
   const bodies = bodiesOf(scene).map(({ mass, moments, q: [w, x, y, z], com, velocity, omega }) => {
-    const about = new J.BodyCreationSettings(new J.SphereShape(RADIUS), new J.RVec3(...com), new J.Quat(x, y, z, w), J.EMotionType_Dynamic, 0);
+    const about = make(J.BodyCreationSettings, new J.SphereShape(RADIUS), make(J.RVec3, ...com), make(J.Quat, x, y, z, w), J.EMotionType_Dynamic, 0);
     about.mOverrideMassProperties = J.EOverrideMassProperties_MassAndInertiaProvided;
     about.mMassPropertiesOverride.mMass = mass;
-    about.mMassPropertiesOverride.mInertia = J.Mat44.prototype.sScaleVec3(new J.Vec3(...moments));
+    about.mMassPropertiesOverride.mInertia = J.Mat44.prototype.sScaleVec3(make(J.Vec3, ...moments));
     if (!shipped) Object.assign(about, { mLinearDamping: 0, mAngularDamping: 0, mAllowSleeping: false,
       mMaxAngularVelocity: FAST, mMaxLinearVelocity: FAST, mApplyGyroscopicForce: true });
     const body = owner.CreateBody(about);
     // For moments of some 1e-6 kg m² and less it would take those of a sphere of radius 1 m.
-    if (!shipped) body.GetMotionProperties().SetInverseInertia(new J.Vec3(...moments.map((I) => 1 / I)), J.Quat.prototype.sIdentity());
+    if (!shipped) body.GetMotionProperties().SetInverseInertia(make(J.Vec3, ...moments.map((I) => 1 / I)), J.Quat.prototype.sIdentity());
     owner.AddBody(body.GetID(), J.EActivation_Activate);
-    owner.SetLinearVelocity(body.GetID(), new J.Vec3(...velocity));
-    owner.SetAngularVelocity(body.GetID(), new J.Vec3(...omega));
+    owner.SetLinearVelocity(body.GetID(), make(J.Vec3, ...velocity));
+    owner.SetAngularVelocity(body.GetID(), make(J.Vec3, ...omega));
     return body;
   });
   const joints = jointsOf(scene).map(({ parent, child, at, x, y, here, locked, spin }) => {
-    const about = Object.assign(new J.SixDOFConstraintSettings(), { mSpace: J.EConstraintSpace_LocalToBodyCOM,
-      mPosition1: new J.RVec3(...at), mAxisX1: new J.Vec3(...x), mAxisY1: new J.Vec3(...y),
-      mPosition2: new J.RVec3(...here), mAxisX2: new J.Vec3(...X), mAxisY2: new J.Vec3(...Y) });
+    const about = Object.assign(make(J.SixDOFConstraintSettings), { mSpace: J.EConstraintSpace_LocalToBodyCOM,
+      mPosition1: make(J.RVec3, ...at), mAxisX1: make(J.Vec3, ...x), mAxisY1: make(J.Vec3, ...y),
+      mPosition2: make(J.RVec3, ...here), mAxisX2: make(J.Vec3, ...X), mAxisY2: make(J.Vec3, ...Y) });
     AXES.forEach((axis, k) => (locked[k] ? about.MakeFixedAxis(axis) : about.MakeFreeAxis(axis)));
     const joint = J.castObject(about.Create(bodies[parent] ?? ground, bodies[child]), J.SixDOFConstraint);
     if (spin !== null) {
       joint.SetMotorState(TWIST, J.EMotorState_Velocity);
-      joint.SetTargetAngularVelocityCS(new J.Vec3(spin, 0, 0));
+      joint.SetTargetAngularVelocityCS(make(J.Vec3, spin, 0, 0));
     }
     system.AddConstraint(joint);
     return joint;
@@ -54,7 +56,8 @@ function open(scene, name, timestep) {
   const motion = (k) => { const body = bodies[k]; return { q: quaternion(body.GetRotation()), omega: list(body.GetAngularVelocity()),
     com: list(body.GetCenterOfMassPosition()), velocity: list(body.GetLinearVelocity()) }; };
   const vec = new J.Vec3(), apply = (torque) => { vec.Set(...torque); bodies[0].AddTorque(vec); };
-  return { system, bodies, joints, ...stepped(scene, motion, apply, () => jolt.Step(timestep, 1)), close: () => J.destroy(jolt) };
+  held.splice(0).forEach((one) => J.destroy(one));
+  return { system, bodies, joints, ...stepped(scene, motion, apply, () => jolt.Step(timestep, 1)), close: () => [jolt, vec].forEach((one) => J.destroy(one)) };
 }
 
 serve({ name: 'jolt', version: version('jolt-physics'), precision: 'single', stock_timestep: 1 / 60, open,

@@ -192,15 +192,18 @@ PLANTED = [
     ("havok", "locked[k] &&", "locked[k] && (k !== 4 || locked[3]) &&", LOCKED),
     ("jolt", "mLinearDamping: 0", "mLinearDamping: mass === scene.mass ? 0 : 0.1", "damping"),
     ("physx", "setAngularDamping(0)", "setAngularDamping(mass === told.mass ? 0 : 0.1)", "damping"),
-    ("jolt", "mPosition1: new J.RVec3(...at)", "mPosition1: new J.RVec3(...X)", PLACE),
+    ("jolt", "mPosition1: make(J.RVec3, ...at)", "mPosition1: make(J.RVec3, ...X)", PLACE),
     ("physx", "pose(at, turn)", "pose(X, turn)", PLACE),
     ("rapier3d-js", "[vector(at), ", "[vector(X), ", PLACE),
     ("cannon-es", "pivotA: vec(at)", "pivotA: vec(x)", PLACE),
-    ("jolt", "mAxisX1: new J.Vec3(...x)", "mAxisX1: new J.Vec3(...Y)", AXIS),
+    ("jolt", "mAxisX1: make(J.Vec3, ...x)", "mAxisX1: make(J.Vec3, ...Y)", AXIS),
     ("physx", "pose(at, turn)", "pose(at, UPRIGHT)", AXIS),
     ("rapier3d-js", "vector(x), vector(X)", "vector(X), vector(X)", AXIS),
     ("cannon-es", "axisA: vec(x)", "axisA: vec([1, 0, 0])", AXIS),
-    ("jolt", "new J.Vec3(...omega)", "new J.Vec3(...scene.omega)", "'spin of rotor 1' must read"),
+    (
+        *("jolt", "make(J.Vec3, ...omega)", "make(J.Vec3, ...scene.omega)"),
+        "'spin of rotor 1' must read",
+    ),
     ("havok", "moments.map((I) => I / mass)", "moments.map(() => 1)", "'inertia_com' must read"),
 ]
 
