@@ -276,9 +276,9 @@ def _follow(
         e, timestep = equations[n], timesteps[n]
         for s in range(spans.shape[1]):
             y[:] = states[n, s]
+            speed = _kept_speed(y, fastest)
             for j in range(spans.shape[2]):
                 span = spans[n, s, j]
-                speed = _kept_speed(y, fastest)
                 if timestep > 0.0:
                     steps = max(1, round(span / timestep))
                 else:
@@ -288,5 +288,5 @@ def _follow(
                 h = span / steps
                 for _ in range(steps):
                     _step(e, y, h, a, b, turned_by, is_exponential, keeps_length, k, at)
-                _kept_speed(y, fastest)
+                speed = _kept_speed(y, fastest)
                 ends[n, s, j] = y
