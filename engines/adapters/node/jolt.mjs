@@ -7,8 +7,8 @@ const RADIUS = 0.05, FAST = 1e9;                 // m; m/s and rad/s, out of rea
 const PLACES = ['X', 'Y', 'Z'], AXES = ['Translation', 'Rotation'].flatMap((kind) => PLACES.map((axis) => J[`SixDOFConstraintSettings_EAxis_${kind}${axis}`]));
 const TWIST = J.SixDOFConstraintSettings_EAxis_RotationX;
 const list = (v) => [v.GetX(), v.GetY(), v.GetZ()];
-// What Jolt copies is held until the world is built: JavaScript does not release what WebAssembly allocates.
-const held = [], make = (Kind, ...numbers) => { const made = new Kind(...numbers); held.push(made); return made; };
+// What Jolt copies is listed until the world is built: JavaScript does not release what WebAssembly allocates.
+const copies = [], make = (Kind, ...numbers) => { const made = new Kind(...numbers); copies.push(made); return made; };
 const quaternion = (q) => [q.GetW(), q.GetX(), q.GetY(), q.GetZ()];
 
 function world(gravity) {
@@ -56,7 +56,7 @@ function open(scene, name, timestep) {
   const motion = (k) => { const body = bodies[k]; return { q: quaternion(body.GetRotation()), omega: list(body.GetAngularVelocity()),
     com: list(body.GetCenterOfMassPosition()), velocity: list(body.GetLinearVelocity()) }; };
   const vec = new J.Vec3(), apply = (torque) => { vec.Set(...torque); bodies[0].AddTorque(vec); };
-  held.splice(0).forEach((one) => J.destroy(one));
+  copies.splice(0).forEach((one) => J.destroy(one));
   return { system, bodies, joints, ...stepped(scene, motion, apply, () => jolt.Step(timestep, 1)), close: () => [jolt, vec].forEach((one) => J.destroy(one)) };
 }
 
