@@ -5,6 +5,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any
 
+from .checks.read_back import State
+
 
 class Batch(ABC):
     """Many worlds that are stepped by one call, each a scene of its own.
@@ -32,6 +34,18 @@ class Batch(ABC):
 
         It raises no error for a world that blew up.
         """
+
+    def restart(self, states: State, timestep: float) -> None:
+        """Set each of n worlds of one scene to a state of its own, as `Session.restart` does.
+
+        An engine that implements it says so with `Engine.restarts_batches`.
+
+        Parameters
+        ----------
+        states : n states
+        timestep : of the steps from now on, s
+        """
+        raise NotImplementedError(f"{type(self).__name__} cannot be restarted.")
 
     @abstractmethod
     def close(self) -> None:

@@ -51,6 +51,7 @@ class Engine(Adapted, ABC):
     of_file : whether it reads the body from a user's model file, of which the scene names a link
     script_language : what `script` is written in
     has_batches : whether `open_batch` is implemented
+    restarts_batches : whether `Batch.restart` is implemented
     describes : names of the `Description.features` that `open_with` can write
     varied : the argument of `open_with` by which it opens scenes, by the argument's name; empty for
         an adapter, which opens scenes by `open`
@@ -70,6 +71,7 @@ class Engine(Adapted, ABC):
     of_file: bool = False
     script_language: Literal["Python", "JavaScript"] = "Python"
     has_batches: bool = False
+    restarts_batches: bool = False
     describes: frozenset[str] = frozenset()
     varied: Mapping[str, Any] = {}
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from textwrap import indent
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 from spincheck.engine import Batch, BodyReading, EngineError, FloatArray, Scenario, Session, State
@@ -131,7 +131,6 @@ class WorldSession(Session):
         del self.world
 
 
-@final
 class WorldBatch(Batch):
     """A batch of worlds that a stand-alone module steps together.
 
@@ -157,6 +156,36 @@ class WorldBatch(Batch):
     def close(self) -> None:
         """Drop the worlds."""
         del self._worlds
+
+
+class RecordBatch(WorldBatch):
+    """A batch of scenes in the worlds of an adapter's stand-alone module.
+
+    Parameters
+    ----------
+    module : the module's name. Its class `World(scene, method, timestep, others)` takes the records
+        of all scenes, and its `restart` takes a list of as many motions
+    """
+
+    def __init__(
+        self,
+        module: str,
+        scenarios: Sequence[Scenario],
+        method: str,
+        timestep: float,
+        device: str = Batch.device,
+    ) -> None:
+        different = dict.fromkeys(scenarios)
+        records = {scenario: scene_record(scenario) for scenario in different}
+        frames = {scenario: RecordFrame.of(scenario) for scenario in different}
+        self._frames = [frames[scenario] for scenario in scenarios]
+        first, *others = (records[scenario] for scenario in scenarios)
+        super().__init__(import_module(module).World(first, method, timestep, others), device)
+
+    def restart(self, states: State, timestep: float) -> None:
+        """Set each world to a state; see `Batch.restart`."""
+        motions = [frame.motion(states.rows(k)) for k, frame in enumerate(self._frames)]
+        self._worlds.restart(motions, timestep)
 
 
 def world_script(path: Path, scenario: Scenario, method: str) -> str:

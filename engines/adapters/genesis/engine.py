@@ -3,7 +3,8 @@
 What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.metadata import version
 from typing import final
@@ -18,10 +19,10 @@ from spincheck.engine import (
     Session,
 )
 
-from ...scene_record import WorldBody, scene_record
+from ...scene_record import WorldBody
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
-from ...world_session import WorldBatch, WorldSession
+from ...world_session import RecordBatch, WorldSession
 from .caches import kernels_kept
 from .model_reader import GenesisModelReader
 
@@ -78,11 +79,8 @@ class GenesisSession(WorldSession):
 
     def advance(self, steps: int) -> None:
         """Take steps as the world does; raise `EngineError` if a state is no longer finite."""
-        try:
+        with errors_told():
             super().advance(steps)
-        except self.module.gs.GenesisException as error:
-            kind = ("not-finite",) if NOT_FINITE in str(error) else ()
-            raise EngineError(f"Genesis: {error}", *kind) from None
 
     def close(self) -> None:
         """Free the scene."""
@@ -90,8 +88,34 @@ class GenesisSession(WorldSession):
         super().close()
 
 
+@final
+class GenesisBatch(RecordBatch):
+    """A batch of bodies in the worlds of one Genesis scene."""
+
+    def advance(self, steps: int) -> None:
+        """Take steps; raise `EngineError` if a state of any world is no longer finite."""
+        with errors_told():
+            super().advance(steps)
+
+    def close(self) -> None:
+        """Free the scene."""
+        self._worlds.close()
+        super().close()
+
+
 #: What Genesis says where a state is no longer finite.
 NOT_FINITE = "causing 'nan'"
+
+
+@contextmanager
+def errors_told() -> Iterator[None]:
+    """Raise what Genesis raises in the block as `EngineError`."""
+    genesis = import_module("genesis")
+    try:
+        yield
+    except genesis.GenesisException as error:
+        kind = ("not-finite",) if NOT_FINITE in str(error) else ()
+        raise EngineError(f"Genesis: {error}", *kind) from None
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
@@ -108,7 +132,7 @@ class Genesis(WorldEngine):
     name = "genesis"
     package = "genesis"
     single_precision = True
-    has_batches = True
+    has_batches = restarts_batches = True
     stock_timestep = 0.01
     methods = (
         _method("Euler", "semi-implicit Euler in joint coordinates"),
@@ -129,8 +153,5 @@ class Genesis(WorldEngine):
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """Open a batch with one world of a Genesis scene for each of the scenes."""
-        records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
-        first, *others = (records[scenario] for scenario in scenarios)
         with kernels_kept():
-            module = import_module(f"{__package__}.world")
-            return WorldBatch(module.World(first, method.name, timestep, others))
+            return GenesisBatch(f"{__package__}.world", scenarios, method.name, timestep)

@@ -53,10 +53,13 @@ class World:
     def __init__(self, scene, method, timestep, others=()):
         self.scene, self.scenes = scene, [scene, *others]
         self.is_free = scene["arm"] is None
-        options, morph = {"batch_links_info": bool(others)}, {}
+        bodies = list(dict.fromkeys(map(mjcf, self.scenes)))
+        # Kernels for worlds with bodies of their own round otherwise, so that they are used only
+        # where bodies differ. Genesis changes no body that it has aligned to its principal axes.
+        options, morph = ({"batch_links_info": True}, {"align": False}) if bodies[1:] else ({}, {})
         if method != "default":
             options |= {"integrator": getattr(gs.integrator, method), **OFF}
-            morph = WITHOUT_ARMATURE
+            morph |= WITHOUT_ARMATURE
         self.there = gs.Scene(
             sim_options=gs.options.SimOptions(dt=timestep, gravity=tuple(scene["gravity"])),
             rigid_options=gs.options.RigidOptions(**options),
@@ -65,7 +68,7 @@ class World:
         self.there.add_entity(gs.morphs.MJCF(file=mjcf(scene), **morph))
         self.there.build(n_envs=len(self.scenes))
         self.solver = self.there.rigid_solver
-        if others:
+        if bodies[1:]:
             self.set_bodies()
         if scene["drag"]:
             rotations = np.arange(self.solver.n_dofs)[-3:]
@@ -84,10 +87,10 @@ class World:
         self.solver.set_links_inertia(tensor, link)
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep; leave nothing of earlier steps."""
+        """Set another timestep and motion, or a list of motions; forget earlier steps."""
         self.there.reset()
         self.solver.rigid_info.substep_dt.fill(timestep)
-        self.start([motion])
+        self.start(motion if isinstance(motion, list) else [motion])
 
     def start(self, motions):
         """Set the motions of all worlds, one for each."""

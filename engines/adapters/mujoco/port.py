@@ -5,14 +5,14 @@ Ports run models that MuJoCo compiles, and MuJoCo's audit reads the ports' model
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from spincheck.engine import FloatArray, Scenario, State
 
 from ...models.mjcf import start_coordinates, switched_off
 from ...models.text import python_text
-from ...world_session import run_script
+from ...world_session import WorldBatch, run_script
 from .audit import FLAG_WORDS, acting
 from .coordinates import CoordinateSession
 
@@ -76,6 +76,33 @@ class PortSession(CoordinateSession):
     def close(self) -> None:
         """Drop model and data."""
         del self._world
+
+
+@final
+class PortBatch(WorldBatch):
+    """A batch of one body's worlds in a port of MuJoCo, which can be restarted.
+
+    Parameters
+    ----------
+    session : a session of the first world, which converts states to coordinates
+    worlds : as `world` of `PortSession`, with rows of qpos and qvel for each world
+    """
+
+    def __init__(self, session: PortSession, worlds: Any, device: str) -> None:
+        super().__init__(worlds, device)
+        self._session = session
+
+    def restart(self, states: State, timestep: float) -> None:
+        """Set each world to a state; see `Batch.restart`."""
+        count = len(states.omega_body)
+        rows = [self._session.coordinates(states.rows(k)) for k in range(count)]
+        self._worlds.set_timestep(timestep)
+        self._worlds.restart(*map(np.array, zip(*rows, strict=True)))
+
+    def close(self) -> None:
+        """Drop model and data."""
+        self._session.close()
+        super().close()
 
 
 def left_in(

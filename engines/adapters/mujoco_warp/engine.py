@@ -12,9 +12,8 @@ from spincheck.engine import COMMON_EFFECTS, Batch, Engine, Method, Scenario, Se
 
 from ...models.mjcf import mjcf
 from ...warp_kernels import kernels_kept, use_warp_device, warp_device
-from ...world_session import WorldBatch
 from ..mujoco.engine import setup
-from ..mujoco.port import PortSession, left_in, port_script, starts
+from ..mujoco.port import PortBatch, PortSession, left_in, port_script, starts
 from ..mujoco.session import check_not_too_small, compiled
 
 #: Flags of MuJoCo that MuJoCo Warp refuses, because it has no such passes.
@@ -38,7 +37,7 @@ class MuJoCoWarp(Engine):
     package = "mujoco_warp"
     stock_timestep = 0.002
     single_precision = True
-    has_batches = True
+    has_batches = restarts_batches = True
     methods = (
         _method("Euler", 1, "semi-implicit Euler, joint damping implicit"),
         _method("implicitfast", 1, "implicit in velocity, without gyroscopic terms"),
@@ -63,7 +62,9 @@ class MuJoCoWarp(Engine):
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """Open a batch; each different scene's MJCF is compiled once."""
-        return WorldBatch(self._world(scenarios, method, timestep), warp_device())
+        world = self._world(scenarios, method, timestep)
+        session = PortSession(scenarios[0], world.model, world, ALWAYS_ON)
+        return PortBatch(session, world, warp_device())
 
     def _world(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Any:
         different = list(dict.fromkeys(scenarios))

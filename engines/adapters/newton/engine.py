@@ -22,12 +22,12 @@ from spincheck.engine import (
     along,
 )
 
-from ...scene_record import HeldRotor, WorldBody, scene_record
+from ...scene_record import HeldRotor, WorldBody
 from ...version_numbers import numbers_of
 from ...warp_kernels import kernels_kept, use_warp_device, warp_device
 from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
-from ...world_session import WorldBatch, WorldSession
+from ...world_session import RecordBatch, WorldSession
 from .model_reader import NewtonModelReader
 
 #: Effects that all solvers can simulate. A rotor is a link on a revolute or fixed joint; a driven
@@ -184,7 +184,7 @@ class Newton(WorldEngine):
     name = "newton"
     package = "newton"
     single_precision = True
-    has_batches = True
+    has_batches = restarts_batches = True
     methods = (
         _mujoco("rk4", 4, "Runge-Kutta"),
         _mujoco("implicitfast", 1, "Euler, implicit in velocity"),
@@ -241,8 +241,6 @@ class Newton(WorldEngine):
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
         """Open a batch with one world of a model for each of the scenes."""
-        records = {scenario: scene_record(scenario) for scenario in dict.fromkeys(scenarios)}
-        first, *others = (records[scenario] for scenario in scenarios)
         with kernels_kept():
-            module = import_module(f"{__package__}.world")
-            return WorldBatch(module.World(first, method.name, timestep, others), warp_device())
+            world = f"{__package__}.world"
+            return RecordBatch(world, scenarios, method.name, timestep, warp_device())

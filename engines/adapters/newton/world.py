@@ -1,5 +1,7 @@
 """A Newton world of one body, which needs `newton`, for its MuJoCo `mujoco-warp`, and numpy."""
 
+from itertools import groupby
+
 import newton
 import numpy as np
 import warp as wp
@@ -64,10 +66,11 @@ class World:
         self.solver_class = getattr(newton.solvers, f"Solver{solver}")
         builder = self.builder()
         if others:
-            for one in self.scenes:
+            for _, alike in groupby(self.scenes, id):
+                one, *more = alike
                 world = self.builder()
                 self.add_scene(world, one)
-                builder.add_world(world)
+                builder.replicate(world, 1 + len(more))
         else:
             self.add_scene(builder, scene)
         builder.color()
@@ -79,6 +82,8 @@ class World:
         self.control = self.model.control()
         self.bodies = self.model.body_count // len(self.scenes)
         self.graphs = {}
+        self.restart(self.scenes, timestep)
+        self.advance(2)  # records the step, so that no step that is timed does
         self.restart(self.scenes, timestep)
 
     def builder(self):
@@ -115,26 +120,16 @@ class World:
 
     def restart(self, motion, timestep):
         """Set another timestep and motion, or a list of motions; forget earlier steps."""
+        self.timestep = timestep
         motions = motion if isinstance(motion, list) else [motion]
-        self.start(motions)
-        if timestep not in self.graphs:
-            self.step(timestep)  # loads what a recording may not load
-            with wp.ScopedCapture() as capture:
-                self.step(timestep)
-            self.graphs[timestep] = capture.graph
-            self.start(motions)
-        self.graph = self.graphs[timestep]
-
-    def start(self, motions):
-        """Set the attitude and velocities of each world's bodies, from one motion a world."""
         pairs = [self.coordinates(*both) for both in zip(self.scenes, motions, strict=True)]
         with np.errstate(over="ignore"):
             q, qd = (np.concatenate(part).astype(np.float32) for part in zip(*pairs, strict=True))
-        for state in (self.now, self.then):
-            self.solver.reset(state, flags=0)
-            state.joint_q.assign(q)
-            state.joint_qd.assign(qd)
-            newton.eval_fk(self.model, state.joint_q, state.joint_qd, state)
+        self.solver.reset(self.now, flags=0)
+        self.now.joint_q.assign(q)
+        self.now.joint_qd.assign(qd)
+        newton.eval_fk(self.model, self.now.joint_q, self.now.joint_qd, self.now)
+        self.then.assign(self.now)
 
     def coordinates(self, scene, motion):
         """Return the coordinates and velocities of all joints of a scene at a motion."""
@@ -178,7 +173,18 @@ class World:
         self.now.assign(self.then)
 
     def advance(self, steps):
-        """Take steps, by launches recorded once: a hundredth of the time of Python's calls."""
+        """Take steps, from the second with a timestep on by launches recorded once.
+
+        They take a hundredth of the time of Python's calls; recording takes as long as two steps.
+        """
+        if steps and self.timestep not in self.graphs:
+            self.step(self.timestep)  # loads what a recording may not load
+            self.graphs[self.timestep] = None
+            steps -= 1
+        if steps and self.graphs[self.timestep] is None:
+            with wp.ScopedCapture() as capture:
+                self.step(self.timestep)
+            self.graphs[self.timestep] = capture.graph
         for _ in range(steps):
-            wp.capture_launch(self.graph)
+            wp.capture_launch(self.graphs[self.timestep])
         wp.synchronize_device()  # waits for a GPU, which takes the steps later

@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import groupby
+from math import isfinite
 from typing import Any
 
 from ....engines import Batch, Engine, engines
@@ -136,7 +137,9 @@ def _line(row: BatchRow) -> dict[str, object]:
 
 
 def _words(apart: Apart | None) -> str:
-    return f"{apart.ulp:.2g} ulp, {apart.degrees:.1g}°" if apart else "same bits"
+    if not apart:
+        return "same bits"
+    return f"{apart.ulp:.2g} ulp, {apart.degrees:.1g}°" if isfinite(apart.ulp) else "not finite"
 
 
 def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:

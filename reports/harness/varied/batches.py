@@ -61,6 +61,10 @@ class Apart:
     degrees: float
 
 
+#: The difference from a batch in which an odd neighbour stops all worlds; the words that tell it.
+STOPPED, STOPS = Apart(1, math.inf, math.inf), ", which stops all worlds"
+
+
 @dataclass(frozen=True)
 class BatchRow:
     """A batch with a number of worlds of one scene: what its motions depend on, and its cost.
@@ -72,7 +76,7 @@ class BatchRow:
     until : time of the last of these steps, s
     alone, place, neighbours : the largest difference of a world from the world alone, from the
         world at the first place, and from itself beside odd neighbours; None if the motions agree
-        to the last bit
+        to the last bit, infinite if a neighbour stops all worlds
     has_neighbours : whether the batch has places for odd neighbours
     because : what the motion depends on; empty if it does not depend on its batch
     seconds_per_step : wall time of a step of all worlds
@@ -194,14 +198,17 @@ class _Study:
         first = replace(alike, snapshots=[[row[0]] * len(row) for row in alike.snapshots])
         by_number, by_place = apart(alone, first), apart(first, alike)
         because = [word for word, is_so in ((NUMBER, by_number), (PLACE, by_place)) if is_so]
-        by_neighbours = None
-        if self._free:
-            by_neighbours = apart(alike, self._batch([*odd.values()], alike.ends))
+
+        def beside(*scenes: Scenario) -> Apart | None:
+            try:
+                return apart(alike, self._batch(scenes, alike.ends))
+            except EngineError:
+                return STOPPED
+
+        by_neighbours = beside(*odd.values()) if self._free else None
         if by_neighbours:
-            kinds = [
-                name for name, one in odd.items() if apart(alike, self._batch([one], alike.ends))
-            ]
-            because += kinds or [TOGETHER]
+            kinds = {name: found for name, one in odd.items() if (found := beside(one))}
+            because += [f"{name}{STOPS * (kinds[name] is STOPPED)}" for name in kinds] or [TOGETHER]
         steps = alike.ends[-1]
         beside_by, seconds = _mujoco(self.scenario, self.method, begun.timestep)
         return replace(

@@ -9,7 +9,7 @@ from kinds_of_engines import installed
 from spincheck.engines import engines
 from spincheck.reports.cli.run.batches import exit_code, print_batches
 from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, DISAGREES, NOT_RUN
-from spincheck.reports.harness.varied.batches import NUMBER, Apart, BatchRow
+from spincheck.reports.harness.varied.batches import NUMBER, STOPPED, STOPS, Apart, BatchRow
 
 COST = {"seconds_per_step": 64e-6, "beside": 2e-6, "beside_by": "mujoco Euler"}
 SAME = BatchRow("top", "e", "m", 2e-3, 64, "CPU", until=5.0, has_neighbours=True, **COST)
@@ -71,6 +71,15 @@ def test_differences_causes_costs_and_failures_are_printed(
     assert "depends on the number of worlds" in text
     assert "from 64 worlds on, a world's step costs less than one of mujoco Euler, 2 µs" in text
     assert "4096 worlds: out of memory" in text
+
+
+def test_worlds_that_a_neighbour_stops_are_not_finite(capsys: pytest.CaptureFixture[str]) -> None:
+    stopped = replace(APART, neighbours=STOPPED, because=(f"one at rest{STOPS}",))
+    print_batches([stopped])
+    text = " ".join(capsys.readouterr().out.split())
+    assert "not finite" in text
+    assert "depends on one at rest, which stops all worlds" in text
+    assert "inf" not in text.replace("not finite", "")
 
 
 def test_a_dear_batch_is_not_said_to_pay(capsys: pytest.CaptureFixture[str]) -> None:

@@ -17,6 +17,7 @@ from spincheck.engine import (
     Batch,
     BodyReading,
     Engine,
+    EngineError,
     FloatArray,
     Method,
     Scenario,
@@ -190,6 +191,24 @@ def test_a_world_that_is_no_longer_finite_is_infinitely_far() -> None:
     assert row.place is not None
     assert row.place.degrees == row.place.ulp == np.inf
     assert not row.has_neighbours
+
+
+def test_a_neighbour_that_stops_all_worlds_is_named() -> None:
+    class Stops(TurningBatch):
+        def advance(self, steps: int) -> None:
+            if any(abs(world.numbers[1]) > 1e9 for world in self.worlds):
+                raise EngineError("no longer finite")
+            super().advance(steps)
+
+    engine = TurningEngine()
+    engine.open_batch = lambda scenarios, *_: Stops(
+        [float(scenario.start.omega_body[2]) for scenario in scenarios], engine.fault
+    )
+    row = batch_of(SCENE, engine, ROW)
+    assert row.because == ("one that blows up, which stops all worlds",)
+    assert (row.alone, row.place) == (None, None)
+    assert row.neighbours is not None
+    assert row.neighbours.degrees == row.neighbours.ulp == np.inf
 
 
 @pytest.mark.slow
