@@ -43,7 +43,7 @@ class Batch(ABC):
         Parameters
         ----------
         states : n states
-        timestep : of the steps from now on, s
+        timestep : length of the steps from now on, s
         """
         raise NotImplementedError(f"{type(self).__name__} cannot be restarted.")
 

@@ -45,7 +45,7 @@ def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
 
 
 def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
-    """Return derivatives of the chart, (6, n), that belong to those of a quaternion and ω, (7, n).
+    """Return derivatives of turn and ω, (6, n), given those of a quaternion and ω, (7, n).
 
     δθ is twice the vector part of q̄ δq. A change of the quaternion's norm is no change.
     """

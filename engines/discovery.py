@@ -56,6 +56,7 @@ def missing() -> tuple[Missing, ...]:
 
 @cache
 def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
+    """Return the engines that can be used, by name, and those that cannot, with reasons."""
     engines: dict[str, Engine] = {}
     absent: list[Missing] = []
     names = [f"{adapters.__name__}.{info.name}" for info in pkgutil.iter_modules(adapters.__path__)]
@@ -82,6 +83,7 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
 
 
 def _missing(name: str, error: BaseException) -> Missing:
+    """Return an adapter that cannot be imported, with the reason in words."""
     if isinstance(error, ModuleNotFoundError) and error.name:
         package = error.name.partition(".")[0]
         if package != "spincheck":

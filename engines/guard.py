@@ -12,7 +12,7 @@ from contextlib import suppress
 
 
 def main() -> None:
-    """Listen until the input ends; then kill the groups that are left."""
+    """Read numbers of process groups until the input ends; then kill the groups that are left."""
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         if number := getattr(signal, name, None):
             signal.signal(number, signal.SIG_IGN)

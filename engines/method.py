@@ -59,7 +59,7 @@ class Release:
     ----------
     requirements : distributions, as pip takes them, without their dependencies except those that
         this version needs in other versions than the newest does
-    methods : with their orders in that version
+    methods : the methods, with their orders in that version
     installed_as : name of the engine whose installed versions this one shares; empty for none
     surplus : packages that pip installs with it and that no run imports, which are removed
     """

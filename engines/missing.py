@@ -9,7 +9,7 @@ class Missing:
 
     Attributes
     ----------
-    name : of the engine, or of its adapter if the adapter cannot be imported
+    name : the engine's name, or its adapter's if the adapter cannot be imported
     package : the distribution that is not installed; empty if importing failed for another reason
     reason : why the engine cannot be used, with how to install it
     family : name by which users ask for several optional engines together; empty if it has none

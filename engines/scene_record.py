@@ -186,6 +186,7 @@ def scene_record(scenario: Scenario) -> dict[str, Any]:
 
 
 def _rotor(rotor: Rotor, frame: RecordFrame) -> dict[str, Any]:
+    """Return a rotor's entry in a record, along the principal axes."""
     to_axes = frame.body_from_axes.inv()
     axis, place = np.array(rotor.axis, dtype=float), rotor.body.com - frame.com_body
     return {

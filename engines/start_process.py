@@ -85,7 +85,7 @@ def run(command: Sequence[str], limit: float, **options: Any) -> "subprocess.Com
 
 
 class _Guard:
-    """The guard of this process, started with the first process group."""
+    """The guard of this process: a small process, started with the first process group."""
 
     def __init__(self) -> None:
         self._groups: set[int] = set()

@@ -29,7 +29,7 @@ class VariedEngine(Engine):
 
     @property
     def version(self) -> str:
-        """The engine's own version."""
+        """The version of the other engine."""
         return self.base.version
 
     @property
@@ -44,5 +44,5 @@ class VariedEngine(Engine):
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """Return the differences that the other engine finds."""
+        """Return how body and start differ from the scene, as the other engine finds."""
         return self.base.differences(scenario, method, body, state)

@@ -32,7 +32,7 @@ class WorldEngine(Engine):
         return version(self.name)
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build a world with the body, held where the scene says."""
+        """Return a session of a world with the body, held where the scene says."""
         module = type(self).__module__.rpartition(".")[0]
         return self.session(f"{module}.world", scenario, method.name, timestep)
 

@@ -49,7 +49,7 @@ class WorldSession(Session):
 
     @abstractmethod
     def world_body(self) -> WorldBody:
-        """The body as the engine holds it."""
+        """Return the body as the engine holds it."""
 
     @property
     def can_restart(self) -> bool:
@@ -101,7 +101,7 @@ class WorldSession(Session):
         return self.frame.body(self.world_body())
 
     def read_state(self) -> State:
-        """The state after the last step, in the scene's body axes."""
+        """Return the state after the last step, in the scene's body axes."""
         return self.states([self.snapshot()]).rows(0)
 
     def snapshot(self) -> Sequence[float]:
@@ -116,15 +116,15 @@ class WorldSession(Session):
         return motion
 
     def states(self, snapshots: Sequence[Any]) -> State:
-        """The states of n snapshots, in the scene's body axes."""
+        """Return the states of n snapshots, in the scene's body axes."""
         return self.frame.states(np.array(snapshots, dtype=float))
 
     def advance(self, steps: int) -> None:
-        """Take steps as the world does."""
+        """Let the world take `steps` steps."""
         self.world.advance(steps)
 
     def check(self) -> None:
-        """Nothing to do: a state that is not finite raises when it is read."""
+        """Do nothing: `snapshot` raises if a number is not finite."""
 
     def close(self) -> None:
         """Drop the world."""
@@ -145,7 +145,7 @@ class WorldBatch(Batch):
         self._worlds, self.device = worlds, device
 
     def advance(self, steps: int) -> None:
-        """Take steps as the worlds do."""
+        """Let each world take `steps` steps."""
         self._worlds.advance(steps)
 
     def snapshots(self, places: Sequence[int]) -> Sequence[Any]:

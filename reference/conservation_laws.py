@@ -110,9 +110,9 @@ class Law:
     ----------
     name : how results refer to it
     formula, unit : formula and unit of the quantity
-    holds : whether a scene conserves the quantity
-    values : the quantity along a trajectory, (n,) or (n, 3)
-    scale : the size that its changes are relative to, in its unit
+    holds : returns whether a scene conserves the quantity
+    values : returns the quantity along a trajectory, (n,) or (n, 3)
+    scale : returns the size that changes of the quantity are relative to, in its unit
     title : title of the quantity's value among the facts of a scene; empty if it is not shown
     """
 
@@ -182,7 +182,7 @@ def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _is_left(law: str) -> Callable[[InvariantScales], bool]:
-    """Return the rule that a law of a given name holds unless an effect breaks it.
+    """Return a function that tells whether no effect of a scene breaks the law of a given name.
 
     An effect that turns the body breaks all laws that its `keeps` does not name.
     """

@@ -83,15 +83,15 @@ class EffectTerms:
     form : form of the effect's term
     posed : returns the effect's numbers by the `Problem` attribute that holds them, given the scene
         and the quaternion from body axes to principal axes
-    turns : whether the effect turns the body of a problem at all
+    turns : returns whether the effect turns the body of a problem at all
     constants : returns constants of `taylor_coefficients` by their rows, for one axis i and the
         next two axes j and k
     keeps : names of the conservation laws that hold although the effect turns the body
-    facts : derived numbers of a scene that the effect gives rise to
-    parameters : how the numbers in `posed` change by a unit of each parameter of the effect; all
-        constants are linear in these numbers
-    by_omega : how the numbers in `posed` change by a change of ω at the start, rad/s, body axes
-    by_body : how the numbers in `posed` change by a change of the body
+    facts : yields the derived numbers of a scene that the effect gives rise to
+    parameters : returns how the numbers in `posed` change by a unit of each parameter of the
+        effect; all constants are linear in these numbers
+    by_omega : returns how these numbers change by a change of ω at the start, rad/s, body axes
+    by_body : returns how these numbers change by a change of the body
     """
 
     form: Form
@@ -140,6 +140,7 @@ GRAVITY = EffectTerms(
 
 
 def _spin_down(scenario: Scenario, problem: Problem) -> Iterator[Fact]:  # noqa: ARG001
+    """Yield the spin-down time of a symmetric body under drag."""
     axis = symmetry_axis(problem)
     if problem.drag and axis is not None:
         time = float(moment_about(problem, axis) / problem.drag)
@@ -176,6 +177,7 @@ TORQUE_OF_WORLD = EffectTerms(
 
 
 def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
+    """Return the numbers of a table that `Problem` holds, by attribute; empty without one."""
     table = scenario.effects.table
     if table is None:
         return {}
@@ -216,6 +218,7 @@ def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
 
 
 def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
+    """Return how the angular momenta that rotors keep change by a unit of each spin."""
     rotors = scenario.rotors.each
     return {
         "spins": [

@@ -150,6 +150,7 @@ def _jacobi_motion(moments: Vector, omega: Vector, D: mpf) -> JacobiMotion:
 def _closed_form(
     problem: Problem, triad: tuple[Vector, Vector, Vector], omega: Vector, body: JacobiMotion
 ) -> ClosedForm:
+    """Return the closed form, given ω at t = 0 and the constants of ω(t), along e1, e2, e3."""
     I1, I2, I3 = body.moments
     start = with_L_upright((I1 * omega[0], I2 * omega[1], I3 * omega[2]))
     q_frame_axes = from_matrix(triad)
@@ -173,7 +174,7 @@ def _attitude(
     """Return A and B as quotients of theta functions, and the sum of their relative residuals."""
 
     def at(x: mpf) -> tuple[CayleyKlein, tuple[mpc, mpc]]:
-        """Return A and B at an argument x up to their phases, and A' and B' with these phases.
+        """Return A and B at an argument x, up to their phases, and A' and B' with the same phases.
 
         They are of the attitude that turns L to z with real A.
         """

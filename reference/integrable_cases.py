@@ -85,6 +85,7 @@ def _along(problem: Problem, frame: Frame, motion: Trajectory) -> tuple[FloatArr
 
 
 def _equatorial_frame(problem: Problem, ratio: int) -> Frame | None:
+    """Return e1, e2, e3 of a heavy top with I1 = I2 = ratio · I3; None for any other body."""
     with mp.workdps(DIGITS):
         length = norm(problem.lever_axes)
         if gravity_torque_scale(problem) == 0 or not is_undriven(problem):

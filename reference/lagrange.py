@@ -100,7 +100,7 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
     Parameters
     ----------
     start, omega : attitude, and ω along the top's frame, rad/s, at t = 0
-    rate : √(κ/I1), rad/s, which ω across the axis is small against
+    rate : √(κ/I1), rad/s; ω across the axis counts as zero if it is negligible beside it
     """
     near = min(abs(start.A), abs(start.B))
     return equal(near, 0, 1) and equal(abs(transverse(omega)), 0, rate + abs(omega[2]))
@@ -109,7 +109,7 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
 def _steady(
     frames: Frames, start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> ClosedForm:
-    """Return steady precession, in which |A| and |B| and the rates of their phases are constant."""
+    """Return steady precession in closed form: |A|, |B| and their phases' rates are constant."""
     delta, spin = constants_of_motion.delta, omega[2] - constants_of_motion.d
     above, below = (2 - delta, delta) if constants_of_motion.pole > 0 else (delta, 2 - delta)
     rates = (
@@ -126,6 +126,7 @@ def _swinging(
     constants_of_motion: Constants,
     swing: Nutation,
 ) -> ClosedForm:
+    """Return the closed form of a top whose tilt swings."""
     lattice = swing.lattice
     u0 = first_kind(swing.sin_squared, swing.cos_squared, lattice.m1)
     at_start = (u0 if constants_of_motion.rising else -u0) * lattice.scale

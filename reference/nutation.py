@@ -28,8 +28,9 @@ class Constants(NamedTuple):
     Attributes
     ----------
     pole : σ, 1 for the upper pole, −1 for the lower
-    b, d : b and d as above, s⁻² and 1/s
-    excess : |W|² that the top's energy would leave it at the pole, s⁻²; negative if it is too low
+    b, d : b and d of the module's equations, s⁻² and 1/s
+    excess : |W|² of the top at the pole by conservation of energy, s⁻²; negative if the energy is
+        too low to reach the pole
     e : c − σ d, 1/s: zero for a top that can reach the pole
     delta : δ at t = 0
     W_squared : |W|² at t = 0, s⁻²
@@ -68,7 +69,7 @@ def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
     Parameters
     ----------
     start, omega : attitude, and ω along the top's frame, rad/s, at t = 0
-    b, d : b and d as above, s⁻² and 1/s
+    b, d : b and d of the module's equations, s⁻² and 1/s
     """
     upper = _constants_from(1, start, omega, b, d)
     if upper.delta <= 1 or (upper.excess == 0 and upper.e == 0):

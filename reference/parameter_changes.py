@@ -86,9 +86,9 @@ def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Ch
 
 
 def changed_problem(problem: Problem, change: Change) -> Problem:
-    """Return a problem with the numbers changed that the constants of its equations are linear in.
+    """Return a problem in which the numbers in `change.constants` are changed.
 
-    Start and inertia stay as they are.
+    The constants of the equations are linear in these numbers. Start and inertia stay.
     """
     with mp.workdps(DIGITS):
         numbers = {

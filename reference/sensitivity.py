@@ -188,9 +188,9 @@ class _Varied:
 
 
 def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]:
-    """Return a function that takes a change of the problem and returns its `_Varied`.
+    """Return a function from a change of the problem to its `_Varied`.
 
-    This holds the problem's constants and start, and their derivatives along the change.
+    A `_Varied` has the problem's constants and start, and their derivatives along the change.
     """
     # The effects of the scene, not only those that turn the body: a lever that is zero may have a
     # derivative that is not.

@@ -36,16 +36,16 @@ from .taylor import (
 EPS = float(np.finfo(float).eps)
 #: Rounding, in ulp, of the states to double, and of L and E, which are computed from them.
 ROUNDING = 8 * EPS
-#: rad of error for each radian turned: a closed form's phase is a rate in double-double, within
-#: EPS²/4, times t.
+#: Error, rad, for each radian turned: a closed form's phase is a time t multiplied by a rate in
+#: double-double, whose relative error is at most EPS²/4.
 PHASE_ROUNDING = EPS**2
-#: rad turned, up to which a closed form is compared with the ODE: a tenth of a second of computing.
+#: Turn, rad, up to which a closed form is compared with the ODE: a tenth of a second of computing.
 CHECKED_TURN = 5e3
 #: Number of samples compared, over all of that span and again over its beginning.
 CHECKED_SAMPLES = 64
 #: Number of scenes whose problem and closed form are kept, because reports ask for them repeatedly.
 SCENES = 256
-#: rad turned, up to which even errors that grow by a factor e a radian are small in double-double.
+#: Turn, rad, up to which even errors that grow by a factor e a radian are small in double-double.
 SURE_TURN = 30.0
 
 
@@ -159,6 +159,7 @@ def solve_ode(scenario: Scenario, times: FloatArray) -> Trajectory:
 def _solve_closed(
     scenario: Scenario, problem: Problem, closed: ClosedForm, times: FloatArray
 ) -> Solution:
+    """Return the solution by a closed form, compared with the ODE for its uncertainty."""
     trajectory = motion(scenario, problem, times, closed.states(times))
     rate = fastest_rate(scenario, trajectory.omega_body)
     checked = _checked_times(times, rate)
@@ -230,6 +231,7 @@ def _conditioning_of_closed(
 
 
 def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
+    """Return the solution by the ODE, with its conditioning."""
     solution = _by_series(scenario, problem, times)
     within = solution.trajectory
 

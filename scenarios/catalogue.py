@@ -34,9 +34,9 @@ def scenario_files(folder: Path) -> list[Path]:
 
 
 def hiding_the_library(names: Iterable[str]) -> list[str]:
-    """Return a warning for each name of a library scene that means a file of the current folder.
+    """Return a warning for each name that means a file here although the library has it, too.
 
-    A name is what a user types for a scene or a folder of scenes.
+    "Here" is the current folder; a name is what a user types for a scene or a folder of scenes.
     """
     there = {path: name for name in names for path in _of_current_folder(name)}
     known = {one for path in _library() for one in (path.stem, path.parent.name)} if there else ()
@@ -68,6 +68,7 @@ def find(names: Iterable[str]) -> list[Path]:
 
 
 def _toml_files(folder: Path) -> Iterator[Path]:
+    """Yield the paths of the TOML files in a folder and its folders, in any order."""
     count = 0
     for path, folders, files_there in os.walk(folder):
         count += len(folders) + len(files_there)
@@ -86,6 +87,7 @@ def _library() -> list[Path]:
 
 
 def _of_current_folder(name: str) -> Iterator[Path]:
+    """Yield the paths in the current folder that a name without an ending means."""
     if name.endswith(".toml"):
         return
     for path in (Path(name), Path(f"{name}.toml")):
@@ -94,6 +96,7 @@ def _of_current_folder(name: str) -> Iterator[Path]:
 
 
 def _find_one(name: str) -> list[Path]:
+    """Return the paths of the scenario files that one name stands for."""
     if not name:
         raise ScenarioError("a scene's name is empty; '.' is the folder you are in")
     path, file = Path(name), Path(f"{name}.toml")
@@ -126,6 +129,7 @@ def _find_one(name: str) -> list[Path]:
 
 
 def _check_unique(paths: Iterable[Path]) -> None:
+    """Raise `ScenarioError` if two files have the same stem."""
     first: dict[str, Path] = {}
     for path in paths:
         if path.stem in first:

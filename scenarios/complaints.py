@@ -114,6 +114,7 @@ def _spell(keys: Keys) -> str:
 
 
 def _rule(detail: ErrorDetails, keys: Keys) -> str:
+    """Return the rule that a value breaks, with the value, in words."""
     if detail["type"] == "extra_forbidden":
         key = str(keys[-1])
         if len(keys) == 1 and key in _known_keys(("effects",)):

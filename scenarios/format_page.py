@@ -109,6 +109,7 @@ def format_page() -> str:
 
 
 def _section(title: str) -> Iterator[str]:
+    """Yield the lines of the section on one table: meaning, keys and an example."""
     model, example = EXAMPLES[title]
     yield f"## {title}\n"
     yield f"{model.__doc__}\n"
@@ -135,6 +136,7 @@ def _kind(field: FieldInfo) -> str:
 
 
 def _words(annotation: Any) -> str:
+    """Return in words which values a type allows."""
     origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
     if origin is typing.Annotated:
         words = _words(arguments[0])

@@ -37,7 +37,7 @@ class Rotor:
     mass : mass of the rotor
     across, along : moments about the rotor's com, across and along the axis
     spin : angular velocity about the axis relative to the body, at t = 0
-    hinge : whether the hinge is frictionless, keeps the spin, or is fixed
+    hinge : "free" without friction, "driven" at a constant spin, or "locked"
     """
 
     axis: Vector
@@ -140,10 +140,11 @@ class Rotors:
     def cancelling(
         self, spins: FloatArray, com_body: FloatArray, far: float = 0.0
     ) -> tuple[FloatArray, FloatArray]:
-        """Return sizes of terms that cancel in coordinates that turn with a rotor, (n,) each.
+        """Return the sizes of terms that cancel in coordinates that turn with a rotor, (n,) each.
 
-        They are forces, Σ m r s², N, and torques, Σ (C + m d r) s², N m, with d a rotor's distance
-        from the com and r = d + far its distance from the coordinates' origin.
+        An engine with such coordinates adds them up with rounding errors in proportion to their
+        sizes. They are forces, Σ m r s², N, and torques, Σ (C + m d r) s², N m, with d a rotor's
+        distance from the com and r = d + far its distance from the coordinates' origin.
 
         Parameters
         ----------
@@ -194,6 +195,7 @@ def whole(body: Body, rotors: Rotors) -> Body:
 
 @lru_cache(maxsize=KEPT)
 def _composed(body: Body, rotors: Rotors) -> Body:
+    """Return a body with its rotors as one rigid body, as `whole` does."""
     parts = [(body.mass_exact, body.com_exact, body.inertia_com_exact)]
     parts += [(rotor.mass, rotor.position, rotor.inertia) for rotor in rotors.each]
     with mp.workdps(DIGITS):

@@ -115,6 +115,7 @@ def is_scene_name(name: str) -> bool:
 
 
 def _parsed(text: str, where: str) -> dict[str, Any]:
+    """Return the tables of a TOML text; raise `ScenarioError` if it is no scenario."""
     if is_nested_too_deeply(text):
         raise RecursionError
     try:
@@ -136,6 +137,7 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
 
 
 def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -> Scenario:
+    """Return the scenario of parsed tables after all checks between them."""
     scenario = build(Document.model_validate(tables), name=name, text=text, path=path)
     check_scales(scenario)
     for k, expected in enumerate(scenario.document.expect):
@@ -152,6 +154,11 @@ def _check_origin(scenario: Scenario) -> None:
     """Check that the file that `[body] model` names has the digest in `[body] sha256`.
 
     Nothing is checked for a scene without a file, as it has no folder that the name is relative to.
+
+    Raises
+    ------
+    Misfit
+        If the file cannot be read, or has another digest.
     """
     body = scenario.document.body
     if body.model is None or scenario.path is None:

@@ -68,6 +68,7 @@ def _with_effects(
     total: FloatArray,
     term_of: Callable[[Effect], Along | None],
 ) -> FloatArray:
+    """Return `total` plus the term that each effect of the scene adds, if it has one."""
     # After a blow-up, terms may be too large for a double.
     with np.errstate(over="ignore", invalid="ignore"):
         for effect in scenario.acting:

@@ -53,5 +53,5 @@ def first_key(path: Path) -> str:
 
 
 def is_nested_too_deeply(text: str) -> bool:
-    """Whether a text has a key with so many parts, a.b.c…, that parsing it would take long."""
+    """Whether a TOML text has a key with more than `MAX_NESTING` parts, a.b.c…."""
     return _TOO_DEEP.search(text) is not None

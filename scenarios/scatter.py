@@ -67,6 +67,7 @@ def member(scenario: Scenario, seed: int, number: int) -> Scenario:
 
 
 def _attitude(scenario: Scenario, n: FloatArray) -> Rotation:
+    """Return a scattered attitude, given four standard normals."""
     if not scenario.called_for & _MAKE_A_DIRECTION_SPECIAL:
         # The direction of four normals is uniform on the sphere of unit quaternions.
         return Rotation.from_quat(n)

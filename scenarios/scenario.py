@@ -165,7 +165,7 @@ class Scenario:
         return self.rotors.spins(omega_body, kept)
 
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Return sizes of forces, N, and torques, N m, that cancel in axes that turn with a rotor.
+        """Return sizes of forces, N, and torques, N m, that cancel in axes that turn with rotors.
 
         They are (n,) each, for n rows of spins, rad/s; see `Rotors.cancelling`.
 

@@ -62,11 +62,12 @@ class Signal:
         difference, for quaternions as the angle of the rotation from one to the other
     values : returns the values along a motion, SI, (n, columns), or (n,) for a scalar
     base : returns the number that distances are relative to, in the signal's unit
-    depends_on : those of "omega" and "attitude" whose orders of accuracy bound the signal's own
+    depends_on : which of "omega" and "attitude" bound the signal's order of accuracy by their own
     exists : returns whether a scene has the signal
-    in_flight : returns the relative change of the signal by one ulp in each number of a free body's
-        state, given the `Errors` of its rotation by one ulp; engines may integrate the flight of an
-        origin other than the com. None if the change of the rotation is all there is
+    in_flight : returns the relative change of the signal of a free body by one ulp in each number
+        of its state, given the changes, as `Errors`, of its rotation; it allows for engines that
+        integrate the flight of another point than the com. None if the signal changes by the
+        rotation alone
     """
 
     name: str
@@ -119,7 +120,7 @@ class Signal:
 
         Parameters
         ----------
-        conditioning : the changes of all signals by one ulp, as the rotation makes them
+        conditioning : the changes of all signals by one ulp in the numbers of the rotation
         """
         of_rotation = conditioning[self.name]
         return self.in_flight(scene, exact, conditioning) if self.in_flight else of_rotation
@@ -153,6 +154,7 @@ def _moved(scene: Scene, exact: Trajectory, growth: Errors) -> tuple[float, floa
 
 
 def _energy_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
+    """Return `Signal.in_flight` of the energy."""
     metres, metres_a_second = _moved(scene, exact, growth)
     momentum = scene.body.mass * _longest(exact.velocity_world)
     weight = scene.body.mass * float(np.linalg.norm(scene.gravity_world))

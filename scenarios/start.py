@@ -105,6 +105,7 @@ def start_of(table: StartTable, constraint: Constraint) -> Start:
 
 
 def _attitude(table: StartTable) -> exact.Quaternion:
+    """Return the attitude that `[start]` states, body to world."""
     if table.euler_zyz_deg is not None:
         return exact.from_euler_zyz_deg(table.euler_zyz_deg)
     if table.rotation_vector_deg is not None:
@@ -114,6 +115,7 @@ def _attitude(table: StartTable) -> exact.Quaternion:
 
 
 def _omega_body(table: StartTable, q_world_body: exact.Quaternion) -> exact.Vector:
+    """Return the angular velocity that `[start]` states, rad/s, body axes."""
     if table.euler_zyz_rates is not None:
         assert table.euler_zyz_deg is not None
         return exact.omega_body_from_zyz_rates(table.euler_zyz_deg, table.euler_zyz_rates)

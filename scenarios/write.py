@@ -42,6 +42,7 @@ def _is_table(value: Any) -> bool:
 
 
 def _value(value: Any) -> str:
+    """Return a number, text or array as TOML."""
     if isinstance(value, list | tuple):
         return f"[{', '.join(_value(entry) for entry in value)}]"
     if isinstance(value, str):

@@ -34,6 +34,7 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[froze
 
 
 def _difference(active: frozenset[str], called_for: frozenset[str]) -> str:
+    """Return, in words, how two sets of effects differ; empty if they do not."""
     parts = []
     if extra := sorted(active - called_for):
         parts.append(f"active though the scene does not call for it: {', '.join(extra)}")

@@ -25,8 +25,8 @@ class EngineError(Exception):
 
     Parameters
     ----------
-    reason : in words
-    cause : in one word, if the engine or its adapter knows it
+    reason : what happened, in a sentence
+    cause : the cause in one word; empty if neither the engine nor its adapter knows it
     """
 
     def __init__(self, reason: str, cause: Cause = "") -> None:
@@ -95,7 +95,7 @@ class State:
     q_world_body_wxyz : attitude, (4,) or (n, 4)
     omega_body : ω, rad/s, body axes, (3,) or (n, 3)
     com_world, velocity_world : position, m, and velocity, m/s, of the com, (3,) or (n, 3) each
-    spins : of rotors, relative to the body, rad/s, (rotors,) or (n, rotors)
+    spins : rates of the rotors relative to the body, rad/s, (rotors,) or (n, rotors)
     """
 
     q_world_body_wxyz: FloatArray
@@ -220,7 +220,13 @@ def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) 
 
 
 def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
-    """Return words that say that ω is right but in other axes; empty if that is not so."""
+    """Return words that say that ω was read along the wrong axes; empty if it was not.
+
+    Parameters
+    ----------
+    got : ω as read back, rad/s, (3,)
+    slack : allowed difference of a component, rad/s
+    """
     R_world_body, omega_body = matrix(scenario.start.q_world_body_wxyz), scenario.start.omega_body
     for turned in (R_world_body @ omega_body, omega_body @ R_world_body):
         if np.abs(got - turned).max() <= slack:

@@ -75,6 +75,7 @@ class ChildEngine(Engine):
     def _session(
         self, child: ChildProcess, scenario: Scenario, method: Method, timestep: float
     ) -> ChildSession:
+        """Open a scene in a process; keep or end the process if it refuses the scene."""
         try:
             self._check(child)
             return ChildSession(child, scenario, method.name, timestep)
@@ -87,6 +88,7 @@ class ChildEngine(Engine):
         return self._script(scenario, method) if self._script else ""
 
     def _check(self, child: ChildProcess) -> None:
+        """Raise `ProtocolError` unless a process describes itself as `hello` does."""
         if child.hello is None:
             child.hello = child.ask(Hello, "hello")
         if child.hello != self.hello:

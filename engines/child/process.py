@@ -68,7 +68,7 @@ class ChildProcess:
     Attributes
     ----------
     hello : the engine's description of itself; None before the process was asked for it
-    is_used : whether it has been used before
+    is_used : whether the process has had a scene before
 
     Raises
     ------
@@ -162,6 +162,7 @@ class ChildProcess:
             raise
 
     def _ask(self, expected: type[A], do: str, arguments: dict[str, Any]) -> A:
+        """Send a call and return its answer, as `ask` does, without ending a broken child."""
         self._number += 1
         call = json.dumps({"id": self._number, "do": do} | arguments, allow_nan=False)
         if self._received:
@@ -215,6 +216,7 @@ class ChildProcess:
         return self._process.poll() is None
 
     def _take(self, descriptor: int, do: str) -> None:
+        """Read what a pipe has; raise `ProtocolError` at its end, or if the answer is too long."""
         part = os.read(descriptor, PIPE_SIZE)
         if descriptor != self._answers:
             self._printed = (self._printed + part)[-KEPT_OUTPUT:]

@@ -42,7 +42,7 @@ class ChildSession(Session):
         self._left = 0
 
     def read_body(self) -> BodyReading:
-        """The body as the child holds it, in the scene's body axes and from its origin."""
+        """Return the body as the child holds it, in the scene's body axes and from its origin."""
         body = self._opened.body
         parts = [
             HeldRotor(one.mass, np.array(one.com), one.inertia_com, np.array(one.axis))
@@ -72,11 +72,11 @@ class ChildSession(Session):
         self._state = self._child.ask(StateRow, "restart", **motion, timestep=self._timestep)
 
     def advance(self, steps: int) -> None:
-        """Count steps that the next snapshot will take, in calls of a limited number of steps."""
+        """Add to the number of steps that are due; the next snapshot takes them."""
         self._left += steps
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """Take steps; return twice the time, s, that the child measures around the steps only."""
+        """Take steps; return the time that the child measures, s, as both CPU and wall time."""
         self.snapshot()
         begun = time.perf_counter()
         seconds = self._child.ask(Seconds, "time", steps=steps).seconds
@@ -104,7 +104,7 @@ class ChildSession(Session):
         return self._frame.states(np.array(snapshots, dtype=float))
 
     def check(self) -> None:
-        """Nothing to check: a child reports trouble in its answers."""
+        """Do nothing: a child reports trouble in its answers."""
 
     def active(self) -> frozenset[str]:
         """Return the names of what the child reports as acting on the body."""

@@ -49,8 +49,8 @@ class SceneChange:
 
     Attributes
     ----------
-    q_body_new : takes components along the new body axes to those along the old ones
-    shift : from the old to the new origin of the body, m, along the old body axes
+    q_body_new : quaternion that takes components along the new body axes to the old ones
+    shift : vector from the old to the new origin of the body, m, along the old body axes
     length, mass, time : the number of new units in one old unit
     is_mirrored : whether x is reversed, of world and body
     """
@@ -63,7 +63,7 @@ class SceneChange:
     is_mirrored: bool = False
 
     def scene(self, scenario: Scenario) -> Scenario:
-        """Return the changed scene; its numbers have the extended precision of the scene's."""
+        """Return the changed scene, its numbers in extended precision as those of the original."""
         with mp.workdps(DIGITS):
             window = scenario.window.model_copy(
                 update={"duration": scenario.window.duration * self.time}
@@ -77,6 +77,7 @@ class SceneChange:
             )
 
     def _body(self, body: Body) -> Body:
+        """Return a body of the scene in the new axes, origin and units."""
         scale = self._moment
         rows = turned_tensor(body.inertia_com_exact, self.q_body_new)
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = (
@@ -88,6 +89,7 @@ class SceneChange:
         return Body(body.mass_exact * mpf(self.mass), self._point(body.com_exact), tensor)
 
     def _rotor(self, rotor: Rotor) -> Rotor:
+        """Return a rotor of the scene in the new axes, origin and units."""
         return Rotor(
             self._axial(rotate(conjugate(self.q_body_new), rotor.axis)),
             self._point(rotor.position),
@@ -108,6 +110,7 @@ class SceneChange:
         return mpf(self.mass) * mpf(self.length) ** 2
 
     def _start(self, scenario: Scenario) -> Start:
+        """Return the scene's start in the new axes and units."""
         start = scenario.start
         x, y, z = rotate(conjugate(self.q_body_new), start.omega_body_exact)
         omega = self._axial((x / self.time, y / self.time, z / self.time))
@@ -119,6 +122,7 @@ class SceneChange:
         )
 
     def _effects(self, effects: Effects) -> Effects:
+        """Return the tables of effects with their numbers in the new axes and units."""
         return Effects.model_validate(
             {
                 name: {

@@ -54,7 +54,7 @@ class EncodedEngine(Engine):
 
     @property
     def version(self) -> str:
-        """The engine's own version."""
+        """The version of the engine that is wrapped."""
         return self.base.version
 
     @property
@@ -128,7 +128,7 @@ class EncodedSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """False: a restart converts the state in double precision, opening in extended."""
+        """False: a restart converts states in double precision, `open` in extended precision."""
         return False
 
     def restart(self, state: State, timestep: float | None = None) -> None:
@@ -145,11 +145,11 @@ class EncodedSession(Session):
         self._session.record(strides, keep)
 
     def snapshot(self) -> Any:
-        """Return the snapshot of the engine's own session."""
+        """Return the engine's own snapshot, which is of the changed scene."""
         return self._session.snapshot()
 
     def states(self, snapshots: Sequence[Any]) -> State:
-        """Return the states of n snapshots of the engine's own session, in the original scene."""
+        """Return the states of n snapshots, in the axes and units of the original scene."""
         return self._change.state_back(self._session.states(snapshots))
 
     def first_fault(

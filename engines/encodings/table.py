@@ -38,11 +38,11 @@ class Encoding:
     Attributes
     ----------
     name : as users type it
-    summary : what it changes
+    summary : what it changes, in words
     change : returns the change of axes, origin and units of a scene
     description : how the model describes the changed body
     effects : names of the effects that a scene may have
-    needs_free : whether the encoding is of free bodies only
+    needs_free : whether the encoding applies to free bodies only
     """
 
     name: str

@@ -137,6 +137,7 @@ def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
 
 
 def _add_body(world: ET.Element, scenario: Scenario, description: Description) -> None:
+    """Add the body to the world, with its parts, joints and rotors."""
     elements: list[ET.Element] = []
     for part in parts_of(scenario.carrier, description.parts):
         if part.onto is None:
@@ -172,6 +173,7 @@ def armature(rotor: Rotor) -> float:
 
 
 def _add_inertia(element: ET.Element, body: Body, description: Description = PLAIN) -> None:
+    """Add a body's inertia to an element, as numbers or as a box of a density."""
     frame = principal_frame(body)
     pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
     if description.joint == "aligned":

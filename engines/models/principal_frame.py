@@ -40,7 +40,7 @@ def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
 
     Parameters
     ----------
-    thickness : the smallest relative amount by which the largest moment stays below the sum of the
+    thickness : the least relative amount by which the largest moment stays below the sum of the
         others. At 0 the doubles just obey the triangle inequality; readers refuse a flat body whose
         largest moment exceeds the sum of the others by an ulp.
     """
@@ -63,6 +63,7 @@ def roll_pitch_yaw_of(q: Quaternion) -> FloatArray:
 
 
 def _within_triangle(moments: Iterable[mpf], thickness: float) -> list[float]:
+    """Return moments as doubles, the largest reduced to obey the triangle inequality."""
     rounded = [float(moment) for moment in moments]
     largest = rounded.index(max(rounded))
     others = rounded[:largest] + rounded[largest + 1 :]

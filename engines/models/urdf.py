@@ -176,6 +176,7 @@ def _add_shape(
     shape: str,
     **sizes: Iterable[float],
 ) -> None:
+    """Add a collision shape to the last link; `center` is in m, `rpy` in rad."""
     collision = ET.SubElement(robot.findall("link")[-1], "collision")
     ET.SubElement(collision, "origin", xyz=decimals(center), rpy=decimals(rpy))
     numbers = {name: decimals(values) for name, values in sizes.items()}
@@ -191,6 +192,7 @@ def _add_joint(
     axis: Iterable[float] = ANY_AXIS,
     rpy: Iterable[float] = NOWHERE,
 ) -> None:
+    """Add a joint between two links, parent and child; `place` is in m, `rpy` in rad."""
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
     ET.SubElement(joint, "parent", link=links[0])
     ET.SubElement(joint, "child", link=links[1])

@@ -137,7 +137,7 @@ def cause(
     ----------
     stated, body : the body that the file states, and the engine's
     apart : how far they are from each other
-    problems : faults of the link's numbers in the file
+    problems : faults of the numbers that the file states of the body's links
     made_up : the source of tensors that the engine does not take from the file; else empty
     """
     kind = "other"
@@ -160,6 +160,7 @@ def _of_tensor(
     problems: tuple[FileProblem, ...],
     made_up: str,
 ) -> tuple[str, str]:
+    """Return why an engine's tensor is not the file's, in a word and a sentence."""
     tensor = stated.inertia_com
     size = _size(tensor, got, apart)
     if not got.any():
@@ -192,6 +193,7 @@ def _why(problems: tuple[FileProblem, ...]) -> str:
 
 
 def _size(stated: FloatArray, got: FloatArray, apart: BodyDifference) -> str:
+    """Return, in words, by how much an engine's tensor differs from the file's."""
     total = float(np.trace(stated))
     ratio = float(np.trace(got)) / total if total > 0 else 0.0
     if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:

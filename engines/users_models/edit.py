@@ -43,6 +43,7 @@ def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark:
 
 
 def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
+    """Return the edits of an `<inertial>` of a URDF after which it states a body."""
     mass, tensor = inertial.only("mass"), inertial.only("inertia")
     assert mass is not None, "the file was read"
     assert tensor is not None, "the file was read"

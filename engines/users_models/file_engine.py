@@ -123,9 +123,9 @@ class FileEngine(Engine):
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """Return the differences from the scene.
+        """Return the differences of a loaded link, with its start, from the scene.
 
-        All those of the body are one difference, described as the command `inspect` does it.
+        Those of mass, com and inertia are joined in one, worded as the command `inspect` does it.
         """
         differing = super().differences(scenario, method, body, state)
         others = [one for one in differing if one.what not in OF_BODY]

@@ -56,6 +56,7 @@ def problems_of_parts(body: RigidBody) -> tuple[tuple[Link, FileProblem], ...]:
 
 
 def _of_mass(stated: Stated) -> Iterator[tuple[str, str]]:
+    """Yield kind and text of each fault of a mass, or of a mass without a tensor."""
     if stated.mass < 0:
         yield "negative mass", f"a mass of {stated.mass:g} kg"
     elif stated.mass == 0 and stated.inertia_com.any():
@@ -65,6 +66,7 @@ def _of_mass(stated: Stated) -> Iterator[tuple[str, str]]:
 
 
 def _of_tensor(stated: Stated) -> Iterator[tuple[str, str]]:
+    """Yield kind and text of the fault of a tensor that no body can have."""
     if not stated.inertia_com.any():
         return
     small, middle, large = principal_moments(stated.inertia_com)

@@ -57,6 +57,7 @@ class Compiler:
 
 
 def _compiler(root: Element) -> Compiler:
+    """Return the compiler's settings in a file; raise `ModelFileError` for a bad one."""
     settings: dict[str, str] = {}
     for element in root.all("compiler"):
         settings |= element.attributes
@@ -107,6 +108,7 @@ class _Reader:
                 self.notes.append(f"{child.where}: bodies that <{child.tag}> makes are not read")
 
     def _body(self, element: Element, parent: str, frame: Pose) -> None:
+        """Read one body and the bodies inside it."""
         if len(self.links) == MAX_BODIES:
             element.refuse(f"more than {MAX_BODIES} bodies")
         name = element.attributes.get("name", "")
@@ -132,6 +134,7 @@ class _Reader:
         self.read(element, name, Pose())
 
     def _replicate(self, element: Element, parent: str, frame: Pose) -> None:
+        """Read the bodies inside a `replicate`, as often as its count, with their new names."""
         (count,) = element.numbers("count", 1)
         before, separator = len(self.links), element.attributes.get("sep", "")
         self.read(element, parent, frame)
@@ -158,6 +161,7 @@ def _has_shapes(element: Element) -> bool:
 
 
 def _stated(inertial: Element, compiler: Compiler) -> Stated:
+    """Return mass, com and tensor that an `inertial` states, in the body's frame."""
     pose = _pose(inertial, compiler)
     if "fullinertia" in inertial.attributes:
         xx, yy, zz, xy, xz, yz = inertial.numbers("fullinertia", 6)

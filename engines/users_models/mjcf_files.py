@@ -77,6 +77,7 @@ class CheckedFiles:
             left += [(child, depth + 1) for child in element.children]
 
     def _contents(self, element: Element, included: set[Path]) -> list[Element]:
+        """Return the elements of the file that an `include` names; else the element."""
         if element.tag != "include":
             return [element]
         name = element.attributes.get("file", "")
@@ -137,6 +138,7 @@ class CheckedFiles:
         return attached
 
     def _model(self, element: Element, path: Path) -> tuple[str, int]:
+        """Check an attached model; return its new name and the number of its elements."""
         if path not in self._models and len(self._models) < MAX_MODELS:
             name = f"model-{len(self._models)}.xml"
             self._models[path] = None

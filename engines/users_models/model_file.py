@@ -272,7 +272,7 @@ def fused(parts: Iterable[tuple[Stated, Pose]]) -> Stated:
 
 
 def principal_moments(inertia: FloatArray) -> FloatArray:
-    """Return ascending principal moments, kg m², (3,)."""
+    """Return the principal moments of a tensor, ascending, kg m², (3,)."""
     if not (inertia - np.diag(np.diag(inertia))).any():
         return np.sort(np.diag(inertia))
     return np.asarray(np.linalg.eigvalsh(inertia))

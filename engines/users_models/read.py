@@ -68,6 +68,7 @@ def _scaled(robot: Element) -> list[str]:
 
 
 def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> list[str]:
+    """Return a note if collision meshes are not inside the model's folders."""
     named = {s.mesh for link in links for s in link.shapes if s.collides and s.mesh is not None}
     missing = sorted(name for name in named if folders.find(name) is None)
     if not missing:

@@ -62,6 +62,7 @@ def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, E
 def _check_tree(
     robot: Element, links: dict[str, Element], joints: dict[str, tuple[str, Element]]
 ) -> None:
+    """Raise `ModelFileError` unless the links form one tree that is not too deep."""
     roots = [name for name in links if name not in joints]
     if len(roots) > 1:
         links[roots[1]].refuse(
@@ -83,6 +84,7 @@ def _check_tree(
 
 
 def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Link:
+    """Return a link; `joint` has its parent's name and the joint that it hangs on."""
     parent, holder = joint or ("", None)
     inertial = element.only("inertial")
     return Link(
@@ -99,6 +101,7 @@ def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Lin
 
 
 def _stated(inertial: Element) -> Stated:
+    """Return mass, com and tensor that an `<inertial>` states, in the link's frame."""
     mass, tensor = inertial.only("mass"), inertial.only("inertia")
     if mass is None or tensor is None:
         lacked = "mass" if mass is None else "inertia"
@@ -127,6 +130,7 @@ def _pose(element: Element) -> Pose:
 
 
 def _shape(element: Element) -> Shape:
+    """Return the shape that a `<collision>` or `<visual>` states."""
     geometry = element.only("geometry")
     solid = geometry.children[0] if geometry is not None and geometry.children else None
     mesh = solid.attributes.get("filename") if solid is not None else None

@@ -20,7 +20,7 @@ TEXT = b"#usda"
 
 
 def usd_links(path: Path, data: bytes) -> tuple[tuple[Link, ...], tuple[str, ...]]:
-    """Return the rigid bodies of a file, named by their paths, and sentences on what was not read.
+    """Return a file's rigid bodies, named by their paths, and sentences on what was not read.
 
     The bodies are in the file's order.
 
@@ -135,6 +135,7 @@ def _frame(place: Any, turn: Any, metre: float) -> Pose:
 
 
 def _check_tree(file: str, links: list[Link]) -> None:
+    """Raise `ModelFileError` if joints form a ring."""
     parents = {link.name: link.parent for link in links}
     for link in links:
         seen, at = {link.name}, link.parent

@@ -57,6 +57,7 @@ class VersionedEngine(Engine):
         return self._adapter().open(scenario, method, timestep)
 
     def _adapter(self) -> Engine:
+        """Return the adapter; raise `EngineError` unless this process has the version."""
         adapter = engines().get(self._base)
         if adapter is None:
             raise EngineError(f"{self.name} cannot be imported")
@@ -81,7 +82,7 @@ def _forwarded(name: str) -> Callable[..., Any]:
 
 
 def _shared(name: str) -> property:
-    """Return a property with the adapter's value of a name, which is the same in any version."""
+    """Return a property with the value of the adapter's attribute, the same in any version."""
     return property(lambda self: getattr(engines()[self._base], name))
 
 

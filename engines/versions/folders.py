@@ -30,7 +30,7 @@ Say = Callable[[str], object]
 
 
 class VersionError(Exception):
-    """A version of an engine cannot be had; the message says why.
+    """A version of an engine cannot be installed; the message says why.
 
     Attributes
     ----------
@@ -94,7 +94,9 @@ def install_for(
     python : the command of the other interpreter
     name : engine@version
     requirements : distributions to install, as pip takes them
-    code : folders of packages that are to be importable there as they are here
+    code : folders of packages of spincheck that are linked into the environment
+    surplus : packages that are removed after installing
+    say : called with a sentence before anything is downloaded
 
     Raises
     ------
@@ -161,7 +163,7 @@ def _drop(packages: Path, surplus: Sequence[str]) -> None:
 
 
 def _made(folder: Path, fill: Callable[[Path], None], say: Say) -> Path:
-    """Return a folder; if it does not exist, `fill` fills a temporary one, which is moved there."""
+    """Return a folder after making it if need be: `fill` fills a new one, which is moved there."""
     if folder.is_dir():
         return folder
     say(f"Installing {folder.name}, once, into {folder.parent}")

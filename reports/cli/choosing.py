@@ -1,4 +1,4 @@
-"""Determines which engines, methods, timesteps and executor a command uses, from what was typed."""
+"""Determines which engines, methods, timesteps and executor a command uses, from its options."""
 
 import re
 import shlex
@@ -47,7 +47,7 @@ def compile_first() -> None:
 
 
 def check_temporary_folder() -> None:
-    """Check that there is a temporary folder: engines read models and write output there."""
+    """Raise a `Complaint` if there is no temporary folder, which engines need for their files."""
     try:
         gettempdir()
     except FileNotFoundError as error:
@@ -128,7 +128,7 @@ def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
 def _engines(
     name: str, python: str, time_limit: float | None, scenarios: Sequence[Scenario]
 ) -> Sequence[Engine]:
-    """Return the engines that a value of '--engine' names, in upper or lower case.
+    """Return the engines that a value of '--engine' names, whatever its case.
 
     It is a single engine, but for 'all' and for the name of a family of engines, such as 'node'.
     """

@@ -29,7 +29,7 @@ _OTHERS = "Others"
 
 
 class GroupedCommands(TyperGroup):
-    """Lists commands under the headings of `GROUPS`; commands in no group come last."""
+    """The group of all commands, whose help lists them under `GROUPS`, and all others last."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section of the help for each group of commands."""
@@ -90,10 +90,7 @@ class ErrorBoundsCommand(TyperCommand):
     """
 
     def get_params(self, ctx: Any) -> Any:
-        """Return the command's parameters, with those for error bounds after the first.
-
-        There is an option for the error bound of each signal.
-        """
+        """Return the command's parameters; options for signals' bounds come after the first."""
         first, *others = super().get_params(ctx)
         return [first, *_bounds(), *others]
 
@@ -130,7 +127,7 @@ def _bounds() -> list[Any]:
 
 
 def _bound(signal: "Signal") -> Any:
-    """Return the annotation of a parameter from which typer makes a signal's option."""
+    """Return the type annotation from which typer makes the option of a signal's bound."""
     return Annotated[
         float | None,
         typer.Option(

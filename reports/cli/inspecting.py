@@ -73,7 +73,7 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
 
 
 def print_inspection(inspection: Inspection) -> None:
-    """Print what the file states of each link and what engines hold of it, as a table.
+    """Print, as a table, what a file states of each link and what engines hold of it.
 
     Below the table are the differences, worst first, faults of the file, and remedies.
     """
@@ -106,7 +106,7 @@ def print_inspection(inspection: Inspection) -> None:
 def write_mended(
     inspection: Inspection, out: Path, wishes: Wishes, engines: Sequence[str]
 ) -> tuple[Mended, Inspection]:
-    """Write a copy of a model's file so that engines hold what it states, and inspect the copy.
+    """Write a copy of a model's file, mended so that engines hold what it states, and inspect it.
 
     Parameters
     ----------
@@ -148,6 +148,7 @@ def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
 
 
 def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | str:
+    """Return the number of links that an engine holds wrongly, or "refused"."""
     if column in inspection.refusals:
         return "refused"
     return sum(reading.column == column for reading, _ in wrong_readings(inspection))
@@ -164,6 +165,7 @@ def _row(link: InspectedLink) -> dict[str, object]:
 
 
 def _print_list(heading: str, lines: Sequence[Finding]) -> None:
+    """Print a heading and at most `MOST_LINES` findings; nothing without findings."""
     if not lines:
         return
     print(f"{heading}:")
@@ -216,6 +218,7 @@ def record(inspection: Inspection) -> dict[str, Any]:
 
 
 def _link_record(link: InspectedLink) -> dict[str, Any]:
+    """Return an inspected link as a JSON object."""
     stated = link.link.stated
     return {
         "link": link.link.name,

@@ -107,6 +107,7 @@ def import_links(
 
 
 def _packages(options: list[str]) -> tuple[tuple[str, Path], ...]:
+    """Return the names and folders that values of '--package-path' state."""
     folders = []
     for one in options:
         name, equals, folder = one.partition("=")

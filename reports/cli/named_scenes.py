@@ -46,7 +46,7 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
 
 
 def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
-    """Return a record for each scene named, and complaints about files that cannot be read."""
+    """Return a row of a table for each scene named, and a message for each unreadable file."""
     rows: list[dict[str, object]] = []
     scenarios, wrong = load_each(_files(names))
     for scenario in scenarios:
@@ -111,7 +111,7 @@ def checked(names: Iterable[str]) -> Checked:
 
 
 def _in_short(scenario: Scenario) -> str:
-    """Return the numbers of a scene that show a wrong unit at a glance: mass, tilt and speeds."""
+    """Return a scene's mass, tilt and speeds in words, so that users notice a wrong unit."""
     w, x, y, z = scenario.start.q_world_body_wxyz.tolist()
     tilt = math.degrees(2 * math.atan2(math.hypot(x, y), math.hypot(w, z)))
     speeds = [math.hypot(*scenario.start.omega_body), *map(float, scenario.start_spins)]

@@ -14,6 +14,7 @@ CORES = os.cpu_count() or 1
 
 
 def _seconds(text: str) -> float:
+    """Parse a number of seconds; raise `typer.BadParameter` if it is none."""
     try:
         return float(text)
     except ValueError:

@@ -104,6 +104,7 @@ def _max_steps(config: pytest.Config) -> int | None:
 
 
 def _may_be_scenario(path: Path) -> bool:
+    """Whether a regular file has the word "spincheck" near its beginning."""
     try:
         # Only a regular file, as reading from a pipe would block.
         if not path.is_file():

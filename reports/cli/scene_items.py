@@ -64,6 +64,7 @@ class SceneFile(pytest.File):
         yield from self._not_tested()
 
     def _check_engines(self) -> None:
+        """Raise `CollectError` if a setting names no engine, or two engines share a name."""
         try:
             known: list[Engine | Missing] = [*engines().values(), *missing()]
         except NameTaken as error:
@@ -108,7 +109,7 @@ class SceneFile(pytest.File):
 
 
 class SceneItem(pytest.Item):
-    """An item whose failure is one message, not a stack trace."""
+    """A test item of a scene; its failure is reported as one message, not as a stack trace."""
 
     parent: SceneFile
 
@@ -126,18 +127,18 @@ class SceneItem(pytest.Item):
         return self.path, None, f"{self.path.stem}::{self.name}"
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Return what disagreed, in words; for an error in this program, the stack trace."""
+        """Return pytest's report: what disagreed, in words; a stack trace for any other error."""
         if isinstance(excinfo.value, Disagreement):
             return "\n".join(excinfo.value.args)
         return super().repr_failure(excinfo, style)
 
 
 class Disagreement(Exception):
-    """What disagreed in an item, in lines of words."""
+    """Raised if a test item fails; its arguments are the lines that say what disagreed."""
 
 
 class ReferenceItem(SceneItem):
-    """Checks the reference: invariants, a cross-check, published values."""
+    """The item that checks the reference: invariants, a cross-check, published values."""
 
     def runtest(self) -> None:
         """Raise `Disagreement` with all complaints about the reference, if there are any."""
@@ -146,7 +147,7 @@ class ReferenceItem(SceneItem):
 
 
 class EngineItem(SceneItem):
-    """Runs one method of one engine down its ladder and judges it."""
+    """The item that runs one method of one engine at the timesteps of a ladder and judges it."""
 
     def __init__(self, *, engine: Engine, method: Method, **parent_and_name: Any) -> None:
         super().__init__(**parent_and_name)
@@ -211,7 +212,7 @@ class EngineItem(SceneItem):
 
 
 class MissingEngineItem(SceneItem):
-    """Says that an engine was not tested, and why."""
+    """An item that is skipped because an engine is missing; it says why."""
 
     def __init__(self, *, reason: str, **parent_and_name: Any) -> None:
         super().__init__(**parent_and_name)
@@ -226,7 +227,7 @@ _WORKER = pytest.StashKey[LocalWorkers]()
 
 
 def _worker(config: pytest.Config) -> LocalWorkers:
-    """One worker process for the session: a crash costs the item, not the run."""
+    """Return the session's worker process, in which an engine's crash fails one item only."""
     if _WORKER not in config.stash:
         config.stash[_WORKER] = LocalWorkers(jobs=1)
         config.add_cleanup(config.stash[_WORKER].close)

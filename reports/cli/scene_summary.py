@@ -11,7 +11,7 @@ UNSUPPORTED = "unsupported"
 
 
 def summary(stats: Mapping[str, Sequence[Any]]) -> str:
-    """Return the line, which is empty if pytest ran no item of a scene.
+    """Return the line printed below pytest's output; empty if pytest ran no item of a scene.
 
     Parameters
     ----------

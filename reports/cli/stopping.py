@@ -34,7 +34,7 @@ _IMPORTING = "<frozen importlib._bootstrap>"
 #: Terminal codes that show the cursor, which a progress bar hides, and clear the line that it is
 #: on.
 _CURSOR_AND_EMPTY_LINE = "\x1b[?25h\r\x1b[K"
-#: Second half of the message that the program was stopped; set by the command that runs.
+#: Second halves of the message that the program was stopped, added by `saying`; the first is used.
 _besides: list[str] = []
 _last_words = threading.Lock()
 _said = threading.Event()
@@ -103,6 +103,7 @@ def raise_when_stopped() -> None:
 
 
 def _imports(frame: FrameType | None) -> bool:
+    """Whether a module is being imported in a frame or one of its callers."""
     while frame is not None:
         if frame.f_code.co_filename == _IMPORTING:
             return True
@@ -139,7 +140,7 @@ def _leave(number: int, _: FrameType | None) -> None:
 
 
 def print_nowhere(*descriptors: int) -> None:
-    """Redirect streams to the null device if their reader is gone and writing would raise."""
+    """Redirect streams, given by descriptor, to the null device, as their reader is gone."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for descriptor in descriptors:
         os.dup2(nowhere, descriptor)

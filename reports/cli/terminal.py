@@ -22,7 +22,7 @@ NAME = 12
 
 
 class Complaint(Exception):
-    """An error for the user: one message, and the exit code that goes with it."""
+    """An error that ends a command: a message for the user, and the program's exit code."""
 
     def __init__(self, message: str, exit_code: int = BAD_INPUT) -> None:
         super().__init__(message)
@@ -84,6 +84,7 @@ def _escaped(line: str) -> str:
 
 
 def _finite(value: Any) -> Any:
+    """Return a value for JSON, with None in place of inf and nan."""
     if isinstance(value, Mapping):
         return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -142,7 +143,7 @@ def _is_number(word: str) -> bool:
 
 
 def _narrowed(widths: list[int], least: list[int], room: int) -> list[int]:
-    """Return widths that fit into the room: the column that can spare most is narrowed first.
+    """Return widths of columns that fit into a table; whichever can spare most is narrowed first.
 
     Parameters
     ----------
@@ -157,6 +158,7 @@ def _narrowed(widths: list[int], least: list[int], room: int) -> list[int]:
 
 
 def _print_paragraphs(lines: list[list[str]], width: int) -> None:
+    """Print each record as a paragraph, a line for each heading and value."""
     headings = lines[0]
     indent = " " * (max(map(len, headings)) + 2)
     for line in lines[1:]:
@@ -192,14 +194,14 @@ def cell(value: object) -> str:
 
 
 def _left(finished: Sequence[float], total: int) -> str:
-    """Return the time left in words, extrapolated from the later half of the calls so far.
+    """Return the time left in words, extrapolated from the later half of the finished tasks.
 
-    The text is empty as long as fewer than two calls have finished.
+    The text is empty as long as fewer than two tasks have finished.
 
     Parameters
     ----------
-    finished : times at which calls finished, s
-    total : number of calls
+    finished : times at which tasks finished, s
+    total : number of tasks
     """
     done = len(finished)
     if done < 2:
@@ -266,7 +268,7 @@ _OF_OUTPUT = (errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO, errno.EFBIG, er
 
 
 def refusal(error: Exception) -> Complaint | None:
-    """Return the message for an error of the system or of engines' names; None for others."""
+    """Return a `Complaint` for an error of the system or of engines' names; None for others."""
     from ...engines import NameTaken
     from ..harness.executors import cause_of
 

@@ -87,7 +87,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
 
 
 def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:
-    """Return the stored verdicts on a scene, but for those by a failure that may not recur."""
+    """Return the stored verdicts on a scene, except any that rest on a failure that may pass."""
     to_repeat = {
         row.key
         for row in store.failed_rows(scenario.name)

@@ -34,7 +34,7 @@ class Prepared:
     places: Places | None = None
 
     def for_verdicts(self) -> "Prepared":
-        """Return the same without the timesteps above the ladder, which only reports need."""
+        """Return a copy without the timesteps above the ladder, which only reports need."""
         return replace(self, ladder=replace(self.ladder, above=()))
 
 

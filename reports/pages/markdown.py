@@ -90,6 +90,7 @@ class _Parser(HTMLParser):
 
 
 def _blocks(element: _Element, items: Sequence[Any]) -> Iterator[str]:
+    """Yield the blocks of Markdown that an element and its inner elements make."""
     for one in element.elements:
         if one.tag in BLOCKS:
             if line := _line(one):
@@ -125,6 +126,7 @@ def _spaced(text: str) -> str:
 
 
 def _marked(element: _Element) -> str:
+    """Return an inline element as Markdown, with its link and emphasis."""
     inner, target = _inline(element), element.attributes.get("href") or ""
     if element.is_drawn or element.attributes.get("class") == "note":
         return ""

@@ -29,7 +29,7 @@ class Differences:
 
     Attributes
     ----------
-    step : in the unit of the values
+    step : size of the step, in the unit of the array
     order : how many times differences were taken; each time the first number is kept as it is
     values : the differences, whole numbers, (n,)
     gaps : indices at which the array is NaN
@@ -53,7 +53,9 @@ class Differences:
 
 
 def differenced(values: FloatArray, step: float) -> Differences:
-    """Return values, (n,), rounded to multiples of a step, as the differences that take least room.
+    """Return values, (n,), rounded to multiples of a step, as differences of the best order.
+
+    The best order is that whose differences have the least sum of sizes.
 
     Parameters
     ----------

@@ -99,6 +99,7 @@ def _write_scenes(
     written: ReportFolder,
     scenes: tuple[SceneRuns, ...],
 ) -> None:
+    """Write the pages of all scenes, as HTML and Markdown, and their model files."""
     page = environment.get_template("scene.html")
     for k, scene in enumerate(scenes):
         content, packed = _scene(scene), PageData()
@@ -122,6 +123,7 @@ def _write_scenes(
 
 
 def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
+    """Return what the template of the first page shows, by the names that it uses."""
     plain = gathered.plain
     return {
         "answer": answer(gathered, results.costs),
@@ -145,6 +147,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
 
 
 def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any]:
+    """Return what the first page shows of hard scenes: scenes, text and table."""
     scenes = overview.hard_scenes(gathered)
     are = "scene is" if len(scenes) == 1 else "scenes are"
     count = f"{len(scenes)} {are}"

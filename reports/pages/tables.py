@@ -95,7 +95,7 @@ def figure(text: str) -> Cell:
 
 
 def named(pair: tuple[str, str]) -> dict[str, Cell]:
-    """Return cells of the names of an engine and a method."""
+    """Return cells with the names of an engine and a method, by the headings of their columns."""
     return {"engine": Cell(pair[0], "name"), "method": Cell(pair[1], "name")}
 
 

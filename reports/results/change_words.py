@@ -1,7 +1,7 @@
 """Words for what may be wrong: changes of equations of motion, and mistakes in reading states.
 
 They are used for single steps of an engine, and for recorded motions. A change is identified by
-its kind and its numbers, SI; its words follow "as if".
+its kind and its numbers, SI; its words complete a sentence that begins "behaves as if".
 """
 
 import math
@@ -17,7 +17,7 @@ from ...scenarios import EFFECTS
 VISIBLE = 1e-5
 #: Numbers this small relative to others are zero up to rounding.
 ROUNDING = 1e-12
-#: Sizes that differ by less, relative, are alike, where numbers are fitted.
+#: Relative difference below which two fitted sizes count as equal.
 ALIKE = 1e-2
 #: Digits after the point of a power.
 DIGITS = 6
@@ -29,19 +29,19 @@ _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_mom
 
 
 def vector(numbers: Sequence[float]) -> str:
-    """Return numbers as text in brackets; those of rounding size are zero."""
+    """Return numbers as text in brackets; those as small as rounding are written as 0."""
     least = ROUNDING * max(map(abs, numbers))
     return f"[{', '.join(f'{n if abs(n) > least else 0.0:.7g}' for n in numbers)}]"
 
 
 def _fitted_vector(numbers: Sequence[float]) -> str:
-    """Return numbers that were found by a fit, in brackets; those of rounding size are zero."""
+    """Return fitted numbers as text in brackets; those as small as a fit's errors are 0."""
     least = 10.0**-DIGITS * max(map(abs, numbers))
     return vector([n if abs(n) > least else 0.0 for n in numbers])
 
 
 def _factor(numbers: Sequence[float]) -> str:
-    """Return 1 + change, with enough digits to show the change."""
+    """Return the factor 1 + change as text, with enough digits to show the change."""
     (change,) = numbers
     return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
 
@@ -54,10 +54,12 @@ def _turn(numbers: Sequence[float]) -> str:
 
 
 def _slowed(numbers: Sequence[float]) -> str:
+    """Return "slowed by" or, for a negative number, "sped up by" with its size."""
     return f"{'slowed' if numbers[0] > 0 else 'sped up'} by {abs(numbers[0]):.3g}"
 
 
 def _decays(numbers: Sequence[float]) -> str:
+    """Return the words for a rate a + b ‖ω‖, 1/s, at which L decays; `numbers` are a and b."""
     a, b = numbers
     return f"{a:.3g} {'-' if b < 0 else '+'} {abs(b):.3g} ‖ω‖"
 
@@ -69,12 +71,12 @@ def _power(numbers: Sequence[float]) -> str:
 
 
 def _rotors(numbers: Sequence[float]) -> str:
-    """Return which rotor is meant, counted from one; 0 means all rotors."""
+    """Return the words for a rotor, counted from one, or for all rotors, for which 0 stands."""
     return f"rotor {numbers[0]:.0f}" if numbers[0] else "the rotors"
 
 
 def _axes(numbers: Sequence[float]) -> str:
-    """Return names of axes, which are counted from zero."""
+    """Return the names of axes as one text, such as "xz", given their indices from zero."""
     return "".join("xyz"[int(axis) % 3] for axis in numbers)
 
 
@@ -101,11 +103,11 @@ def _exchanged(numbers: Sequence[float]) -> str:
 
 
 def _entry(numbers: Sequence[float]) -> str:
-    """Return which entry of the tensor would have which value, and how far that is off.
+    """Return the words for a wrong entry of the inertia tensor: its name, value and error.
 
     Parameters
     ----------
-    numbers : place of the entry, from zero, its value, and by how much the value is off, kg m²
+    numbers : index of the entry in xx, yy, zz, xy, xz, yz, its value, and the value's error, kg m²
     """
     at, value, off = numbers
     name, how = ("Ixx", "Iyy", "Izz", *PRODUCTS)[int(at)], "more" if off > 0 else "less"
@@ -113,6 +115,7 @@ def _entry(numbers: Sequence[float]) -> str:
 
 
 def _permuted(numbers: Sequence[float]) -> str:
+    """Return three moments, and the moments along whose axes they are put, kg m², as text."""
     return f"{vector(numbers[:3])} kg m² along the axes of {vector(numbers[3:])}"
 
 
@@ -147,11 +150,12 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
 def _by_attitude(numbers: Sequence[float]) -> str:
     """Return the words for a torque that depends on the attitude: Σᵢ P eᵢ × Rᵀ eᵢ, N m.
 
-    They are those of a dipole in a field, or of a spring, if it is one.
+    R is from body to world axes. A torque that is that of a dipole in a field, or of a spring, is
+    named so.
 
     Parameters
     ----------
-    numbers : the nine entries of P, N m
+    numbers : the nine entries of P, row by row, N m
     """
     P = np.reshape(numbers, (3, 3))
     of_body, sizes, of_world = np.linalg.svd(P)
@@ -222,7 +226,7 @@ class Kind:
     special: Mapping[float, str] = field(default_factory=dict)
 
     def words(self, numbers: Sequence[float]) -> str:
-        """Return the words that follow "as if"."""
+        """Return the change in words, which follow "as if"."""
         if not numbers:
             return self.template
         return self.special.get(numbers[0]) or self.template.format(self.shown(numbers))

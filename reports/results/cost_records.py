@@ -7,11 +7,11 @@ from .records import MethodKey, Record, Size, Variation, varied_in
 
 @dataclass(frozen=True)
 class Ratio:
-    """The ratio of two times of a step: the median over rounds timed in turn.
+    """The ratio of the times of a step of two engines that are timed in turn, round by round.
 
     Attributes
     ----------
-    spread : interquartile range
+    median, spread : median and interquartile range of the ratio over the rounds
     """
 
     median: Size
@@ -47,7 +47,8 @@ class MethodCost(Record):
     variation : JSON that says how the engine is varied; empty if it is not
     difference : for an engine with nothing left out, the largest difference of any number of its
         state from the engine as it is, SI; 0 if the motions are identical
-    compared_until : time up to which the two were compared, s; the whole window unless one diverged
+    compared_until : time up to which the two motions were compared, s; the end of the window unless
+        one of them diverged
     """
 
     key: MethodKey

@@ -51,6 +51,7 @@ class Database:
 
     Parameters
     ----------
+    connection : SQLite's connection to a result file
     check : called before every commit; raises if the file was removed or replaced
     """
 

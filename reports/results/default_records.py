@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from ...scenarios import Errors
 from .records import Key, Row
 
-#: Name, in a run's variation, of the defaults that are kept.
+#: Name of the entry in a run's variation that lists the defaults which are kept.
 DEFAULTS = "defaults"
 
 
@@ -72,6 +72,7 @@ ALL = ("all",)
 
 
 def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row]) -> DefaultEffects:
+    """Return the effects of the defaults, given runs by the names of the defaults they keep."""
     names = dict.fromkeys(name for some in by_names if some != ALL for name in some)
     each = []
     none, every = by_names[()], by_names[ALL]

@@ -23,7 +23,7 @@ class EnsemblePoint:
 
     Attributes
     ----------
-    seed, number : of the member
+    seed, number : seed of the ensemble, and number of the member in it
     timestep : s; None for each engine's stock timestep
     """
 
@@ -33,7 +33,7 @@ class EnsemblePoint:
 
     @property
     def varied(self) -> dict[str, float]:
-        """What identifies the member's runs, by name, in whichever ensemble the member is."""
+        """The seed, the member's number and any timestep, which identify the member's runs."""
         parts: dict[str, float] = {"seed": self.seed, "member": self.number}
         return parts if self.timestep is None else {**parts, "timestep": self.timestep}
 
@@ -72,7 +72,7 @@ class Ensemble:
         return map(self._member, range(self.members))
 
     def point(self, parts: Mapping[str, Any]) -> EnsemblePoint | None:
-        """Return the member that a stored run is of; None if it is not of this ensemble.
+        """Return the member whose run a stored run is; None if it is not one of this ensemble's.
 
         Parameters
         ----------
@@ -85,7 +85,7 @@ class Ensemble:
         return point if point.varied == parts else None
 
     def __str__(self) -> str:
-        """Return its size and its seed in words."""
+        """Return the ensemble's size and its seed in words."""
         return f"{self.members} members of seed {self.seed}"
 
     def _member(self, number: int) -> EnsemblePoint:
@@ -101,7 +101,7 @@ class DefinedEnsemble(Record):
     toml: str
 
     def varied(self) -> Scenario:
-        """The scene that is scattered.
+        """Return the scene that is scattered.
 
         Raises
         ------

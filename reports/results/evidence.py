@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from .change_words import KINDS
 from .records import Count, MethodKey, Record, Signed, Size
 
-#: The probability that one of the checks of its evidence wrongly accuses a method that converges.
+#: Probability with which any one check wrongly accuses a method that converges.
 LEVEL = 1e-9
 #: Largest standard error of the limit of what steps gain, relative to the largest terms: over ten
 #: radians an error of this size comes to a hundredth, which a user would see.
@@ -64,10 +64,11 @@ class StepFault:
     ----------
     kind : how the gains depend on the timestep
     quantity : the quantity that shows the difference best
-    time : time of the state that shows it best, s; None if ω is along a skew axis at the start
+    time : time of the state that shows it best, s; None if that is the start with ω along a skew
+        axis
     timestep : timestep at which it shows, s
-    got, wanted : what the state gains in a second, and what it should gain; for `leap` and
-        `misread` how far the state is off
+    got, wanted : the rate at which the quantity changes, and the rate at which it should; for
+        `leap` and `misread` how far the state is off
     changes : changes that explain the gains of all states; empty if no single change and no two do
     """
 
@@ -115,7 +116,8 @@ def is_known(known_to: float, of_an_effect: float) -> bool:
 
     Parameters
     ----------
-    known_to, of_an_effect : as in `StepEvidence`
+    known_to, of_an_effect : the limit's standard error, or its size if that is larger, relative to
+        the largest terms, and to the weakest effect of the scene
     """
     return known_to <= CONSISTENT and of_an_effect <= SEEN
 
@@ -128,7 +130,7 @@ class StepEvidence:
     ----------
     states : number of states
     tail : the probability of gains as unlikely as these, if the steps are those of a method that
-        converges: the smallest tail times the number of tails
+        converges: the smallest tail times the number of tails (Bonferroni)
     known_to, of_an_effect : the standard error of the gains' limit, or its size if that is larger,
         relative to the largest terms, and to the weakest effect of the scene
     order, declared : the least order that gains show, and the declared order, which is 0 in single
@@ -203,13 +205,13 @@ class ReplayEvidence:
 
 @dataclass(frozen=True)
 class Evidence(Record):
-    """The evidence that a method on a scene is judged by, besides its rows.
+    """The evidence that a method on a scene is judged by, besides its runs.
 
     Attributes
     ----------
     steps : evidence from steps from exact states; None if the method cannot be opened there
     own_steps : evidence from steps from states of its own runs; None if none were taken
-    replays : evidence from replays of its runs
+    replays : evidence from replays of its runs, one for each run that was replayed
     refusal : why the runs could not be replayed, in the engine's words; else empty
     """
 

@@ -85,6 +85,8 @@ def modules(kind: str) -> frozenset[str]:
 def adapter(kind: type[Engine]) -> str:
     """Return the digest of an adapter's module or package, and of all that it imports.
 
+    It is empty if the class has no source file.
+
     Parameters
     ----------
     kind : the adapter's class
@@ -126,12 +128,13 @@ def _closure(names: Iterable[str], without: tuple[str, ...]) -> frozenset[str]:
 
 @cache
 def _imported_by(name: str) -> tuple[str, ...]:
+    """Return the names of the modules of this program that a module imports."""
     is_package = _file(name).name == "__init__.py"
     return tuple(_imported(_file(name), name if is_package else name.rpartition(".")[0]))
 
 
 def _imported(path: Path, package: str) -> Iterator[str]:
-    """Yield the names of the modules that a file imports from this program, anywhere in it.
+    """Yield the names of this program's modules that a file imports, in functions too.
 
     Parameters
     ----------
@@ -150,7 +153,8 @@ def _base(one: Import, package: str) -> str | None:
 
     Parameters
     ----------
-    package : the package that contains the import
+    one : the import
+    package : the package of the module that contains the import
     """
     if one.level:
         parts = package.split(".")
@@ -180,6 +184,7 @@ def _defining(base: str, name: str) -> str:
 
 
 def _file(name: str) -> Path:
+    """Return the path of a module, or of the `__init__.py` of a package, given its name."""
     root, *parts = name.split(".")
     folder = _ROOTS[root].joinpath(*parts)
     return folder / "__init__.py" if folder.is_dir() else folder.with_name(f"{folder.name}.py")
@@ -194,4 +199,5 @@ def _content(path: Path) -> str:
 
 
 def _digest(parts: Iterable[str]) -> str:
+    """Return the SHA-256, hexadecimal, of several texts."""
     return sha256("\n".join(parts).encode()).hexdigest()

@@ -26,7 +26,7 @@ def check_journals(path: Path) -> None:
     Raises
     ------
     ResultFileError
-        If it is a link or no regular file, or names another file to be deleted.
+        If such a file is a link or no regular file, or names another file to be deleted.
     """
     for suffix in ("-wal", "-shm", "-journal"):
         beside = path.with_name(f"{path.name}{suffix}")
@@ -95,6 +95,7 @@ def only_writer(path: Path) -> Iterator[Callable[[], None]]:
 
 
 def _lock(descriptor: int) -> None:
+    """Lock an open file; raise `ResultFileError` if another process has, or it has no locks."""
     try:
         if sys.platform == "win32":
             import msvcrt
@@ -115,6 +116,7 @@ def _lock(descriptor: int) -> None:
 
 
 def _check_still_there(path: Path, descriptor: int) -> None:
+    """Raise `ResultFileError` unless the path still leads to the open file."""
     with suppress(FileNotFoundError):
         if os.path.samestat(path.stat(), os.fstat(descriptor)):
             return

@@ -45,7 +45,8 @@ def reason_in_words(
     ----------
     word : the verdict
     quoted : what a run, the engine or the scene's file says about it, in their own words
-    steps, own_steps, replays : the evidence, as in `Evidence`
+    steps, own_steps : evidence from steps from exact states, and from states of its own runs
+    replays : evidence from replays of its runs
     """
     parts: list[str] = []
     if word == "disagrees":
@@ -71,6 +72,7 @@ def ground_in_words(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> s
 
 
 def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
+    """Return the reason of a verdict `converges`: what the evidence shows, and how well."""
     known = f"to {steps.known_to:.1e} of the largest terms"
     if steps.of_an_effect > steps.known_to:
         known += f" and {steps.of_an_effect:.1e} of the weakest effect"
@@ -104,6 +106,7 @@ def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
 
 
 def _open(steps: StepEvidence) -> str:
+    """Return the reason of a verdict `unresolved`: how well the limit of gains is known."""
     if steps.known_to > CONSISTENT:
         what, known, needed = "largest terms", steps.known_to, CONSISTENT
     else:
@@ -115,7 +118,7 @@ def _open(steps: StepEvidence) -> str:
 
 
 def fault_in_words(fault: StepFault) -> str:
-    """Return, in words, how steps differ from correct ones, and which change explains that."""
+    """Return in words how steps differ from correct ones, and as if by which change they do."""
     as_if = " and ".join(change.words for change in fault.changes)
     return f"behaves as if {as_if}: {_shown(fault)}" if as_if else _shown(fault)
 
@@ -150,6 +153,7 @@ def _shown(fault: StepFault) -> str:
 
 
 def _when(fault: StepFault) -> str:
+    """Return, in words, at which time or state steps differ."""
     if fault.time is None:
         return "at the start with ω along a skew axis"
     return f"at t = {fault.time:.3g} s"
@@ -171,6 +175,7 @@ def _gained(fault: StepFault) -> str:
 
 
 def _replay(replay: ReplayEvidence) -> str:
+    """Return, in words, how replays differ from their run."""
     at = f"at a timestep of {replay.timestep:.3g} s"
     if replay.spread:
         return (

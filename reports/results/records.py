@@ -31,26 +31,26 @@ Pair = tuple[str, str]
 UNSOLVED = 0.0
 #: Fields that hold a motion.
 MOTIONS = ("motion", "trajectory")
-#: Largest time and count of a run, SI.
+#: Largest absolute value of a finite number in a record: its square does not overflow.
 LARGEST = 1e150
 
 
 def _size(value: float) -> float:
-    """Return a number; raise if it is negative, or so large that its square overflows."""
+    """Return a number or inf; raise `ValueError` if it is negative or above `LARGEST`."""
     if not 0 <= value <= LARGEST and value != math.inf:
         raise ValueError(f"must be from 0 to {LARGEST:g}")
     return value
 
 
 def _finite(value: float) -> float:
-    """Return a number; raise if it is NaN or so large that its square overflows."""
+    """Return a number; raise `ValueError` if it is NaN or larger in size than `LARGEST`."""
     if not abs(value) <= LARGEST:
         raise ValueError(f"must be from -{LARGEST:g} to {LARGEST:g}")
     return value
 
 
 def _name_of_scene(name: str) -> str:
-    """Return a name; raise unless a scene may have it, as pages are named after scenes."""
+    """Return a scene's name; raise `ValueError` unless a page's file may have the same name."""
     if not is_scene_name(name):
         raise ValueError(f"{printable(name)!r} is no scene's name")
     return name
@@ -73,12 +73,12 @@ def variation(varied: Mapping[str, Any]) -> str:
 
 
 def varied_in(text: str) -> dict[str, Any]:
-    """Return what is varied, by name, from the text that `variation` returns."""
+    """Return the values of what is varied, by name, from the text that `variation` returns."""
     return json.loads(text) if text else {}
 
 
 def _variation(text: str) -> str:
-    """Return a text; raise unless `variation` writes it so."""
+    """Return a text; raise `ValueError` unless it is one that `variation` can return."""
     if text and (not isinstance(varied := json.loads(text), dict) or variation(varied) != text):
         raise ValueError(f"{printable(text)!r} says of nothing that it is varied")
     return text
@@ -145,7 +145,8 @@ class Defect:
 
     Attributes
     ----------
-    p50, p95, max : median, 95th percentile and largest over the intervals, in the norm of errors
+    p50, p95, max : median, 95th percentile and largest over the intervals between samples, in the
+        norm and unit of the signal's errors
     at : end of the interval with the largest defect, s
     floor : the largest defect that round-off, or noise as small, may cause
     """
@@ -206,7 +207,7 @@ class Row(Record):
     variation : JSON of what is varied, such as the member of an ensemble; empty if nothing is
     reason : why the outcome is not ok; for an engine as shipped, what differs from the scene
     cause : the reason in a word
-    without_skill : whether a run that is ok is no better than no motion
+    without_skill : whether a run that is ok is no better a forecast than no motion
         (`harness/comparison/rows.py`)
     stopped_at : time at which it diverged or failed, s
     errors : errors at the run's sample times; None unless it is ok
@@ -229,7 +230,6 @@ class Row(Record):
         defects while it moves; None if it never moves
     acts : for a run with one default or none, whether its steps, however short, do not obey the
         equations of motion; None if unknown
-    beside : for a run with another description of the body, how it compares with the scene's own
     """
 
     key: MethodKey

@@ -130,6 +130,7 @@ def _is_there(path: Path, purpose: str) -> bool:
 
 @contextmanager
 def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
+    """Open a result file that exists, for reading alone."""
     # Checked before the file is opened, as opening creates an empty file.
     log_missing = not has_log(path)
     with _connected(path, "mode=ro") as connection:
@@ -141,6 +142,7 @@ def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
 
 @contextmanager
 def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
+    """Open a result file for writing, as its only writer; create it if there is none."""
     with only_writer(path) as check, _connected(path, "mode=rw") as connection:
         if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
             _check(connection, schema)
@@ -173,6 +175,7 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
 
 @contextmanager
 def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
+    """Yield a connection to an SQLite file, with limits and checks against foreign files."""
     address = f"{path.as_uri()}?{options}"
     with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as connection:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_RECORD)
@@ -208,7 +211,7 @@ def _session(path: Path, options: str) -> str | None:
 
     Parameters
     ----------
-    options : of SQLite's connection: whether the log is ignored
+    options : options of SQLite's connection, which say whether the log is ignored
     """
     try:
         with _connected(path, options) as connection:
@@ -269,6 +272,7 @@ def _text(content: bytes) -> str:
 
 @cache
 def _digest_of_tables(schema: str) -> str:
+    """Return the digest, as `_digest_of` does, of a file that a schema creates."""
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.executescript(schema)
         return _digest_of(connection)

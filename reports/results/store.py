@@ -31,7 +31,7 @@ from .verdicts import Verdict
 R = TypeVar("R", bound=Record)
 
 SCHEMA = "".join(table.sql for table in tables.TABLES)
-#: Digits of the digest of what a record rests on, which only distinguishes them.
+#: Number of hexadecimal digits that are kept of the digest of what a record rests on.
 DIGITS = 16
 _TABLE_OF: dict[type[Record], Table[Any]] = {table.record: table for table in tables.TABLES}
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
@@ -70,11 +70,12 @@ class Store:
     def select(
         self, table: Table[R], where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
     ) -> list[R]:
-        """Return the stored records of a table, except those whose basis has changed."""
+        """Return the stored records of a table that count; parameters as in `Database.select`."""
         found = self._database.select(table.name, where, values, order)
         return [table.read(one) for one in found if self._counts(table, one)]
 
     def _counts(self, table: Table[Any], columns: sqlite3.Row) -> bool:
+        """Whether the digest that a record was stored with is the one that it must have."""
         return not table.rests_on or columns[DIGEST] == self._digest(table, columns)
 
     def _digest(self, table: Table[Any], columns: Mapping[str, Any] | sqlite3.Row) -> str:
@@ -100,7 +101,7 @@ class Store:
 
         Returns
         -------
-        How many stored verdicts no longer count.
+        The number of stored verdicts that no longer count.
         """
         scenario = fingerprints[0].scenario
         verdicts = self._database.select("verdicts", "scenario = ?", (scenario,))
@@ -136,7 +137,7 @@ class Store:
 
         Parameters
         ----------
-        keys : scene, engine and method of each
+        keys : scene, engine and method of each of the results
         """
         with self._database.transaction() as connection:
             for key in keys:
@@ -180,7 +181,7 @@ class Store:
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """Return the stored verdicts on a scene that need not be made again.
 
-        Those are left out whose ladder was cut short by a smaller step limit.
+        Verdicts on ladders that a smaller step limit cut short are left out.
 
         Parameters
         ----------
@@ -268,6 +269,7 @@ class Store:
         return self.select(tables.ENSEMBLES, order="scenario, ensemble")
 
     def _verdicts(self, timesteps: str) -> list[Verdict]:
+        """Return a verdict for each method and scene; `timesteps` is that of `read`, as stored."""
         where, values = ("timesteps = ?", (timesteps,)) if timesteps != _LADDER else ("TRUE", ())
         order = f"{_SORTED}, timesteps = '{_LADDER}' DESC, rowid DESC"
         first: dict[Key, Verdict] = {}
@@ -300,7 +302,8 @@ def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
     Raises
     ------
     ResultFileError
-        As for `result_file.opened`.
+        If the file is missing, cannot be used, is no result file of this format, or is being
+        written by another process.
     """
     with opened(path, SCHEMA, writing=create) as file:
         yield Store(file)

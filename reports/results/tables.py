@@ -79,6 +79,7 @@ def unpack(blob: bytes) -> Trajectory:
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> FloatArray:
+    """Return one array of an archive; raise `ValueError` if it is not one of a motion."""
     widest = MAX_ROTORS if member.filename.removesuffix(".npy") in _OPTIONAL else _WIDEST
     if member.file_size > HEADER + widest * 8 * MAX_SAMPLES:
         raise ValueError(f"an array of {member.file_size} bytes, more than {MAX_SAMPLES} samples")
@@ -137,7 +138,7 @@ class Table(Generic[R]):
 
     Attributes
     ----------
-    name : of the table
+    name : name of the table
     record : the dataclass
     key : the columns that identify a record: fields of the record, or of its `Key`
     rests_on : the kinds of fingerprints that a record rests on, if any; their digest is part of the
@@ -165,7 +166,7 @@ class Table(Generic[R]):
         return tuple(field.name for field in fields(self.record) if field.name in MOTIONS)
 
     def columns(self, record: R) -> dict[str, Any]:
-        """Return a record as it is stored, by column.
+        """Return the values that are stored of a record, by column.
 
         Fields that are None are left out if None is their default.
         """

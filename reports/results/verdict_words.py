@@ -12,7 +12,7 @@ VerdictWord = Literal["converges", "unresolved", "unsupported", "diverges", "dis
 
 @dataclass(frozen=True)
 class VerdictKind:
-    """A verdict's word, and all that depends on it.
+    """A kind of verdict: its word, and all that depends on the word.
 
     Attributes
     ----------
@@ -21,7 +21,7 @@ class VerdictKind:
     meaning : when the verdict is given, in words
     light, dark : colours of background and text, on light and on dark pages. Every pair has a
         contrast of 4.5 or more, and the backgrounds differ in lightness too
-    fails : whether it fails a run
+    fails : whether it makes a study fail
     is_unproven : whether it says neither that a method converges nor that it is wrong
     """
 

@@ -51,7 +51,7 @@ class Verdict(Record):
 
     @property
     def tail(self) -> float | None:
-        """The probability of evidence as unlikely as this if the method converges; None without."""
+        """The p-value of all the evidence if the method converges; None without evidence."""
         found = [one.tail for one in (self.steps, self.own_steps, *self.replays) if one]
         return min(1.0, min(found) * len(found)) if found else None
 
@@ -62,12 +62,12 @@ class Verdict(Record):
 
     @property
     def order(self) -> int | None:
-        """The order at which gains of steps vanish with the timestep; None without steps."""
+        """The order at which gains vanish with the timestep; None without steps or with a fault."""
         return self.steps.order if self.steps and not self.steps.fault else None
 
     @property
     def agrees(self) -> bool:
-        """Whether a study with this verdict passes."""
+        """Whether nothing is wrong: no verdict that counts as wrong, and no unmet expectation."""
         return not self._is_wrong and not self.unmet
 
     @property
@@ -78,6 +78,7 @@ class Verdict(Record):
 
     @property
     def _is_wrong(self) -> bool:
+        """Whether the word fails, and the method is neither as shipped nor expected to fail."""
         return VERDICT[self.verdict].fails and not (self.as_shipped or self.expected_failure)
 
     @property

@@ -19,9 +19,9 @@ T = TypeVar("T", bound="EffectTable")
 
 #: Name of the group of scenes with a torque that a machine or the air exerts.
 DRIVEN = "Driven or damped"
-#: Keys to where a quantity is written in a file, its name, its size and its unit.
+#: A quantity of a scene: path of keys to it in the scene file, name, size and unit.
 Size = tuple[tuple[str | int, ...], str, mpf, str]
-#: Keys to where a rate is written, its name, and its size, 1/s.
+#: A rate of a scene: path of keys to its cause in the scene file, name, and size, 1/s.
 Rate = tuple[tuple[str | int, ...], str, mpf]
 
 
@@ -196,7 +196,8 @@ class Effect:
     pushed : returns the torque parameter, SI, that `push` includes, given the table, or None if the
         scene has no such table; None if `push` does not include the effect
     check : raises `Misfit` if the scene's start, or another effect, does not go with the table
-    sizes, rates : yield the effect's numbers that must be computable, with their keys in the file
+    sizes, rates : yield the sizes and the rates that the effect brings, which must not be too large
+        to be computed with, each with the keys to it in the file
     rate : returns the fastest rate at which the effect changes a state, 1/s; `rate_formula` is its
         formula in words
     decay : returns the fastest rate at which the effect slows the body, 1/s

@@ -25,7 +25,7 @@ class BraxSession(WorldSession):
     """A session of one body in a Brax system of its own; the body's frame is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the system holds it, from its joint."""
+        """Return the body as the system holds it, relative to its joint."""
         inertia = self.world.system.link.inertia
         mass, com, tensor = (
             np.asarray(one[0], dtype=float)
@@ -70,7 +70,7 @@ def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
 
 @final
 class Brax(WorldEngine):
-    """A body on a free joint, or on three hinges at its pivot."""
+    """The engine Brax, with the body on a free joint, or on three hinges at its pivot."""
 
     session = BraxSession
     name = "brax"

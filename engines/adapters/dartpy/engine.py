@@ -30,7 +30,7 @@ class DartSession(WorldSession):
     """A session of one body in a DART world of its own; the body's frame is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as its body node holds it, from its joint."""
+        """Return the body as its body node holds it, relative to its joint."""
         inertia = self.world.body.getInertia()
         arm = None if self.world.is_free else np.zeros(3)
         mass = inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment())
@@ -92,7 +92,7 @@ class DartSession(WorldSession):
 
 
 def _rotor(joint: Any, node: Any) -> HeldRotor:
-    """Return the rotor that a joint and its body node are, at the joint's angle 0."""
+    """Return a rotor, given its joint and its body node, at the joint's angle 0."""
     inertia, at = node.getInertia(), joint.getTransformFromParentBodyNode()
     R = np.array(at.rotation())
     com = np.array(at.translation()) + R @ inertia.getLocalCOM()
@@ -103,7 +103,7 @@ def _rotor(joint: Any, node: Any) -> HeldRotor:
 
 @final
 class Dart(WorldEngine):
-    """A body on a free joint, or on a ball joint at its pivot."""
+    """The engine DART, with the body on a free joint, or on a ball joint at its pivot."""
 
     session = DartSession
     name = "dartpy"

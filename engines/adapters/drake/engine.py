@@ -28,6 +28,7 @@ EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
+    """Return the method of an integration scheme, or of a plant that steps itself."""
     setup = f"""\
 plant = MultibodyPlant(time_step=0.0)
 config = SimulatorConfig(
@@ -62,7 +63,7 @@ class DrakeSession(WorldSession):
         super().restart(state, timestep)
 
     def world_body(self) -> WorldBody:
-        """Return the body as the plant's context holds it, from its joint."""
+        """Return the body as the plant's context holds it, relative to its joint."""
         arm = None if self.world.is_free else np.zeros(3)
         return WorldBody(
             *self._mass_of(self.world.body),
@@ -79,7 +80,7 @@ class DrakeSession(WorldSession):
         return mass, com, np.array(about_com)
 
     def _rotor(self, joint: Any) -> HeldRotor:
-        """Return the rotor that the child body of a joint is, at the joint's angle 0."""
+        """Return the child body of a joint as a rotor, at the joint's angle 0."""
         mass, com, inertia_com = self._mass_of(joint.child_body())
         at = joint.frame_on_parent().GetFixedPoseInBodyFrame()
         R = at.rotation().matrix()
@@ -88,7 +89,7 @@ class DrakeSession(WorldSession):
         return HeldRotor(mass, at @ com, R @ inertia_com @ R.T, axis)
 
     def advance(self, steps: int) -> None:
-        """Take steps as the world does, with Drake's errors as `EngineError`."""
+        """Let the world take steps; raise Drake's errors as `EngineError`."""
         try:
             self.world.advance(steps)
         except RuntimeError as error:
@@ -104,6 +105,7 @@ class DrakeSession(WorldSession):
         return {"AutoDiff of dω/dt": Derivative(self._derivative)}
 
     def _derivative(self, steps: int = 1) -> FloatArray:
+        """Return the derivative by turn and ω, body axes, of steps, (6, 6), or dω/dt, (3, 6)."""
         try:
             autodiff: Any = import_module(f"{__package__}.autodiff")
             q, numbers = autodiff.differentiated(self.world, steps)
@@ -170,7 +172,10 @@ class DrakeSession(WorldSession):
 
 @final
 class Drake(WorldEngine):
-    """A body on a quaternion joint, or on a ball joint of roll, pitch and yaw at its pivot."""
+    """The engine Drake, with the body on a quaternion joint, or at its pivot on a ball joint.
+
+    The coordinates of the ball joint are roll, pitch and yaw.
+    """
 
     session = DrakeSession
     name = "drake"

@@ -41,6 +41,7 @@ CLOCK_SLACK = 1e-6
 def _method(
     name: str, order: int, summary: str, effects: frozenset[str] = COMMON_EFFECTS
 ) -> Method:
+    """Return the method of one of Exudyn's solvers, by the solver's name."""
     setup = f"""\
 settings = exudyn.SimulationSettings()
 settings.timeIntegration.endTime = duration
@@ -54,7 +55,7 @@ class ExudynSession(WorldSession):
     """A session of one body in an Exudyn system; a body on a pivot is described from the pivot."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as its object holds it, from its node; the com is where gravity acts."""
+        """Return the body as its object holds it, relative to its node; gravity acts at the com."""
         system, R_axes_node = self.world.system, self.world.R_axes_node
         com = R_axes_node @ system.GetMarker(self.world.com)["localPosition"]
         mass, about_node = self._mass_of(self.world.body)
@@ -98,7 +99,7 @@ class ExudynSession(WorldSession):
         super().restart(state, timestep)
 
     def advance(self, steps: int) -> None:
-        """Take steps as the world does; check their number and length by Exudyn's clock."""
+        """Let the world take steps; check their number and length by Exudyn's clock."""
         try:
             self.world.advance(steps)
         except RuntimeError as error:
@@ -182,6 +183,7 @@ class ExudynSession(WorldSession):
         return kinds.get((*constrained,), {f"other constrained coordinates: {constrained}"})
 
     def _of_load(self, found: Any) -> str:
+        """Return the name of the effect that a load implements, or a description of the load."""
         vector, scene, system = np.array(found["loadVector"]), self.scene, self.world.system
         if found["loadType"] == "ForceVector":
             of = system.GetObject(system.GetMarker(found["markerNumber"])["bodyNumber"])
@@ -193,6 +195,7 @@ class ExudynSession(WorldSession):
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
     def _of_damper(self, found: Any) -> str:
+        """Return "drag" for the scene's drag, or a description of a connector."""
         damping = np.diag(found["damping"])
         # A node's rotational coordinates come last.
         (name,) = self.damped_by(np.roll(damping, 3).tolist())
@@ -219,7 +222,10 @@ def _check_turns(scenario: Scenario, timestep: float) -> None:
 
 @final
 class Exudyn(WorldEngine):
-    """A body on a Lie-group node, its pivot three constrained coordinates; rotors on joints."""
+    """The engine Exudyn, with the body on a Lie-group node, and rotors on joints.
+
+    A pivot is three constrained coordinates.
+    """
 
     session = ExudynSession
     name = "exudyn"
@@ -253,7 +259,7 @@ class Exudyn(WorldEngine):
     )
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Assemble the system and set its start."""
+        """Assemble the system and set its start; raise `EngineError` if Exudyn prints an error."""
         if scenario.rotors and not method.as_shipped:
             _check_turns(scenario, timestep)
         with native_output() as printed, warnings.catch_warnings():

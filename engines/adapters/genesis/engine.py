@@ -37,7 +37,7 @@ class GenesisSession(WorldSession):
     """A session of one body in a Genesis scene of its own; the body's frame is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, from its joint."""
+        """Return the body as the solver holds it, relative to its joint."""
         links = self.world.solver.dyn_info.links
         mass, com, tensor, q = (
             getattr(links, f"inertial_{name}").to_numpy()[-1].astype(float)
@@ -78,7 +78,7 @@ class GenesisSession(WorldSession):
         return frozenset(acting | stated if torque.any() else acting)
 
     def advance(self, steps: int) -> None:
-        """Take steps as the world does; raise `EngineError` if a state is no longer finite."""
+        """Let the world take steps; raise `EngineError` if a state is no longer finite."""
         with errors_told():
             super().advance(steps)
 
@@ -125,7 +125,7 @@ def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
 
 @final
 class Genesis(WorldEngine):
-    """A body on a free or ball joint, stepped by each integrator of its rigid solver."""
+    """The engine Genesis, with the body on a free or ball joint; methods are its integrators."""
 
     session = GenesisSession
     reader = GenesisModelReader()
@@ -147,7 +147,7 @@ class Genesis(WorldEngine):
         return version("genesis-world")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build the scene; kernels are compiled once and kept in the user's cache."""
+        """Return a session of a built scene; the user's cache keeps compiled kernels."""
         with kernels_kept():
             return super().open(scenario, method, timestep)
 

@@ -31,7 +31,7 @@ CLEAN = (
 
 
 class MJX(Engine):
-    """MJX in double precision."""
+    """The engine MJX in double precision."""
 
     interface = 2
     name = "mjx"
@@ -46,7 +46,7 @@ class MJX(Engine):
         return f"{version('mujoco-mjx')} (MuJoCo {mujoco.mj_versionString()})"
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Compile the scene's MJCF, hand it to MJX, and have JAX compile the step."""
+        """Compile the scene's MJCF for MJX, and the step by JAX; return the session."""
         text = self._text(scenario, method)
         return MJXSession(scenario, text, timestep, is_double=not self.single_precision)
 
@@ -70,7 +70,7 @@ class MJX(Engine):
 
 @final
 class MJXSingle(MJX):
-    """MJX in single precision."""
+    """The engine MJX in single precision."""
 
     name = "mjx-float32"
     extra = "mjx"

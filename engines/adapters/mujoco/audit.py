@@ -139,7 +139,7 @@ def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
 
 
 def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> Iterator[str]:
-    """Yield in words the effects whose strength differs from the scene's."""
+    """Yield a description of each effect whose strength differs from the scene's."""
     wanted_of = {"gravity": scenario.gravity_world, **scenario.pushed}
     for name, strength in strengths.items():
         got = np.diag(strength) if strength.ndim > 1 else strength
@@ -193,7 +193,7 @@ def _turning(model: Any) -> slice:
 
 
 def _own(bodies: NDArray[np.integer]) -> int:
-    """Return how many of a model's joints, or velocities, are the body's, as the first ones are.
+    """Return how many of a model's joints, or velocities, belong to the body; they come first.
 
     Parameters
     ----------
@@ -203,9 +203,9 @@ def _own(bodies: NDArray[np.integer]) -> int:
 
 
 def _joints(model: Any, scenario: Scenario) -> Iterator[str]:
-    """Yield the effect, pivot or table, that the body's joints implement.
+    """Yield the effect, pivot or table, that the body's joints, or a contact, implement.
 
-    For a table as a contact it is the contact that does. Yields in words what no scene calls for.
+    Joints, shapes and damping that the scene does not call for are yielded as descriptions.
     """
     if model.ngeom:
         yield "table" if _rests(model, scenario) else "collision geometry"
@@ -252,7 +252,7 @@ def _rests(model: Any, scenario: Scenario) -> bool:
 
 
 def _idle_passes(model: Any) -> frozenset[str]:
-    """Return in words the passes that are on although nothing in the scene needs them."""
+    """Return descriptions of the passes that are on although nothing in the scene needs them."""
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if _joint_damping(model).any() else set()
     needed |= {"actuation"} if model.nu else set()

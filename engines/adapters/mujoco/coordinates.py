@@ -72,7 +72,7 @@ class CoordinateSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing: on a pivot, or if the coordinates move the com."""
+        """Whether a restart rounds nothing: on a pivot, or if the coordinates are the com's."""
         return bool(self._on_pivot or not self._arm_body.any())
 
     @property

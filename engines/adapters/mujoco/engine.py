@@ -95,7 +95,7 @@ def _method(name: str, order: int, summary: str) -> Method:
 
 @final
 class MuJoCo(Engine):
-    """MuJoCo's rigid-body dynamics in reduced coordinates."""
+    """The engine MuJoCo: rigid-body dynamics in reduced coordinates."""
 
     interface = 2
     name = "mujoco"
@@ -126,7 +126,7 @@ class MuJoCo(Engine):
         return str(mujoco.mj_versionString())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
-        """Compile the scene's MJCF and set its keyframe."""
+        """Compile the scene's MJCF and set the start, its keyframe; return the session."""
         return self.open_with(scenario, method, timestep)
 
     def open_with(
@@ -181,7 +181,7 @@ class MuJoCo(Engine):
         return (*passes, *([CLOCK] if clock.SHIPPED else ()))
 
     def at_version(self, version: str) -> Release:
-        """Return another version, with the orders that follow from MuJoCo's changelog."""
+        """Return another version of MuJoCo, with the orders that follow from its changelog."""
         return release(version, self.methods)
 
 
@@ -238,6 +238,7 @@ def _model(scenario: Scenario, method: Method, description: Description) -> Any:
 
 
 def _of_urdf(scenario: Scenario, description: Description) -> Any:
+    """Return the compiled model of a scene's URDF, with a free joint and rotors' drives added."""
     spec = spec_of_urdf(urdf(scenario, READER_ROUNDOFF, description=description))
     if scenario.constraint.is_free:
         free(spec.body(BODY_LINK))
@@ -250,7 +251,7 @@ def _of_urdf(scenario: Scenario, description: Description) -> Any:
 def _text(
     scenario: Scenario, timestep: float, method: Method, description: Description = PLAIN
 ) -> str:
-    """Return the MJCF of a scene, with every pass on."""
+    """Return the MJCF of a scene, in which no pass is switched off."""
     alone = _alone(scenario, method)
     text = mjcf(alone, timestep, _integrator(method), switched_off(alone), description)
     return with_contact(text, scenario) if _is_by_contact(method) else text

@@ -41,7 +41,7 @@ class MuJoCoFile(FileEngine):
     )
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
-        """Read the link, give it a free joint, and set what the file does not contain."""
+        """Read the link, free it, and set gravity and start from the scene; return the session."""
         check_not_too_small(scenario)
         model = copy(_model(users_link(scenario)))
         set_scene(model, scenario, method.name)
@@ -78,6 +78,7 @@ def _of_mjcf(users: UsersLink) -> Any:
 
 
 def _alone(whole: Any, users: UsersLink) -> Any:
+    """Return the compiled model of a link and those welded to it, cut out of a whole one."""
     spec = mujoco.MjSpec()
     # Versions from 4.0.0 on warn if options differ; none of the file's options is part of the body.
     for name in (name for name in dir(spec.option) if not name.startswith("_")):

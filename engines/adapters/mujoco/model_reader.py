@@ -70,6 +70,7 @@ class MuJoCoModelReader(ModelReader):
 
 
 def _compiled(model: ModelFile, folder: Path, *, unfused: bool) -> Any:
+    """Return a file's compiled model; if `unfused`, with a body for each link."""
     spec = spec_of(model, folder)
     if unfused:
         spec.compiler.fusestatic = False
@@ -93,6 +94,7 @@ def spec_of(model: ModelFile, folder: Path) -> Any:
 
 
 def _strip_drawn(model: ModelFile, spec: Any) -> None:
+    """Remove visual parts, and meshes that no inertia comes from, from an editable model."""
     explicit = spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     for geom in list(spec.geoms):
         needless = explicit and geom.parent.explicitinertial

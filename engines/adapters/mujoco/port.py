@@ -58,11 +58,11 @@ class PortSession(CoordinateSession):
         return self.states_at(*np.split(rows, [self._world.model.nq], axis=1))
 
     def advance(self, steps: int) -> None:
-        """Take steps as the world does."""
+        """Let the world take `steps` steps."""
         self._world.advance(steps)
 
     def check(self) -> None:
-        """Nothing to do: no port warns or resets."""
+        """Do nothing: no port warns or resets."""
 
     def active(self) -> frozenset[str]:
         """Return what acts on the body, as the port's model and data tell.

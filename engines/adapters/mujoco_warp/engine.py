@@ -30,7 +30,7 @@ def _method(name: str, order: int, summary: str) -> Method:
 
 @final
 class MuJoCoWarp(Engine):
-    """MuJoCo Warp in single precision, the only precision that it has."""
+    """The engine MuJoCo Warp, in single precision, the only one that it has."""
 
     interface = 2
     name = "mujoco-warp"
@@ -57,7 +57,7 @@ class MuJoCoWarp(Engine):
         return PortSession(scenario, world.model, world, ALWAYS_ON)
 
     def use_device(self, name: str) -> None:
-        """Step on one of Warp's devices from now on."""
+        """Make the device of Warp with a given name step all scenes from now on."""
         use_warp_device(f"{__package__}.world", name)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
@@ -67,6 +67,7 @@ class MuJoCoWarp(Engine):
         return PortBatch(session, world, warp_device())
 
     def _world(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Any:
+        """Return MuJoCo Warp's worlds of scenes, one for each scene."""
         different = list(dict.fromkeys(scenarios))
         for scenario in different:
             check_not_too_small(scenario)

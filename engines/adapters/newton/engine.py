@@ -51,7 +51,7 @@ class NewtonSession(WorldSession):
     """A session of one body in a Newton model of its own; the body's frame is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, from its joint."""
+        """Return the body as the solver holds it, relative to its joint."""
         arm = None if self.scene["arm"] is None else np.zeros(3)
         first, *others = self._bodies()
         rotors = zip(others, self.world.model.joint_type.numpy()[1:], strict=True)
@@ -96,6 +96,7 @@ class NewtonSession(WorldSession):
         return {"Warp's tape": Derivative(self._taped, through=self._taped)}
 
     def _taped(self, steps: int = 1) -> FloatArray:
+        """Return the derivative of steps by turn and ω, body axes, (6, 6)."""
         motion = self.frame.motion(self.read_state())
         try:
             with kernels_kept():
@@ -177,7 +178,7 @@ def _shipped(name: str, summary: str, effects: frozenset[str] = EFFECTS) -> Meth
 
 @final
 class Newton(WorldEngine):
-    """A body on a free or ball joint, stepped by each of Newton's solvers of rigid bodies."""
+    """The engine Newton, with the body on a free or ball joint; methods are its solvers."""
 
     session = NewtonSession
     reader = NewtonModelReader()
@@ -225,18 +226,18 @@ class Newton(WorldEngine):
     )
 
     def at_version(self, version: str) -> Release:
-        """Return another version, or this one, with the MuJoCo that it requires."""
+        """Return another version of Newton, or this one, with the MuJoCo that it requires."""
         mujoco = MUJOCO.get(numbers_of(version)[:2], MUJOCO[1, 8])
         parts = f"newton=={version}", f"mujoco=={mujoco}", f"mujoco-warp=={mujoco}"
         return Release((*parts, "warp-lang>=1.17"), self.methods)
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Build the model and the solver; compiled kernels are kept in the user's cache."""
+        """Return a session of a new model and solver; the user's cache keeps compiled kernels."""
         with kernels_kept():
             return super().open(scenario, method, timestep)
 
     def use_device(self, name: str) -> None:
-        """Step on one of Warp's devices from now on."""
+        """Make the device of Warp with a given name step all scenes from now on."""
         use_warp_device(f"{__package__}.world", name)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:

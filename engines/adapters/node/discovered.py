@@ -47,6 +47,7 @@ def modules_folder() -> Path:
 
 
 def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
+    """Return the engine in a file, starting it only if its description is not stored."""
     command = ("node", str(path), str(modules))
     hello = _said_before(path, modules)
     if hello is not None:

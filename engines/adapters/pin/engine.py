@@ -30,7 +30,7 @@ class PinocchioSession(WorldSession):
     """A session of one body in a Pinocchio model; its joint is at the pivot, or else at the com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the model holds it, from its joint."""
+        """Return the body as the model holds it, relative to its joint."""
         inertia = self.world.model.inertias[self.world.joint]
         arm = None if self.world.is_free else np.zeros(3)
         rotors = [self._rotor(joint) for joint in self.world.rotors]
@@ -57,9 +57,10 @@ class PinocchioSession(WorldSession):
         return {"computeABADerivatives": Derivative(self._rate)}
 
     def _rate(self) -> FloatArray:
-        """Return the Jacobian of dω/dt by a turn and ω, from ∂ddq/∂q and ∂ddq/∂v, (3, 6).
+        """Return the Jacobian of dω/dt with respect to a small turn and ω, (3, 6), in body axes.
 
-        Pinocchio's tangent of a joint that turns is a turn in body axes.
+        It is made of ∂ddq/∂q and ∂ddq/∂v: Pinocchio's tangent of a joint that turns is a turn in
+        body axes.
         """
         world = self.world
         if world.is_pushed:
@@ -112,7 +113,7 @@ class PinocchioSession(WorldSession):
 
 @final
 class Pinocchio(WorldEngine):
-    """A body on a free-flyer joint, or on a spherical joint at its pivot."""
+    """The library Pinocchio, with the body on a free-flyer joint, or spherical at its pivot."""
 
     session = PinocchioSession
     name = "pin"

@@ -72,7 +72,7 @@ class PyBox3DSession(WorldSession):
 
 @final
 class PyBox3D(WorldEngine):
-    """Box3D's rigid bodies, boxes with the scene's moments; a pivot is a spherical joint."""
+    """The engine Box3D, with a box of the scene's moments, and a pivot as a spherical joint."""
 
     session = PyBox3DSession
     name = "pybox3d"

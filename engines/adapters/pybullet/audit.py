@@ -20,7 +20,7 @@ from .world import BASE, World
 #: Speed, rad/s, at which the body takes a step to find out whether PyBullet clamps it. It is above
 #: the default clamp, so that the body keeps the speed only if the clamp is off.
 PROBE_RUSH = 2.0**9
-#: The effect that a spherical joint is, by the number of slides that it is on.
+#: The effect that a spherical joint implements, by the number of slides that it is on.
 HELD_BY = {0: "pivot", 2: "table"}
 #: PyBullet's default margin around a shape, m, `gUrdfDefaultCollisionMargin` of its source.
 EMPTY_MARGIN = 0.001
@@ -43,6 +43,7 @@ def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) 
 
 
 def _engine(world: World, scenario: Scenario) -> set[str]:
+    """Return "gravity" and descriptions of other settings of PyBullet that act."""
     engine = p.getPhysicsEngineParameters(world.client)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
     acting = {"real-time stepping"} if engine["useRealTimeSimulation"] else set()
@@ -54,7 +55,7 @@ def _engine(world: World, scenario: Scenario) -> set[str]:
 
 
 def _holds(world: World) -> set[str]:
-    """Return what holds the body, in words: its joints, and constraints of the world."""
+    """Return the effects that hold the body, and descriptions of other joints and constraints."""
     acting, client, slides = set(), world.client, 0
     for joint in range(p.getNumJoints(world.body, client)):
         kind = p.getJointInfo(world.body, joint, client)[2]
@@ -115,9 +116,9 @@ def _has_shape(client: int, body: int, link: int) -> bool:
 
 
 def _acting(probe: Probe) -> set[str]:
-    """Return names of the torques, drag and damping that act, as the gain of momentum shows.
+    """Return names of the torques, drag, damping and clamp that act, found by single steps.
 
-    The gain is that in a step without gravity, from rest and from a slow spin.
+    The steps are taken without gravity, from rest and from a spin.
     """
     torque, resistance, force = probe.unlike()
     acting = {words for words in (torque, resistance, force) if words}

@@ -85,7 +85,7 @@ REPRESENTATIONS = {name: representation for name, (representation, *_) in METHOD
 
 
 class PyBullet(Engine):
-    """Bullet's two kinds of body, with two ways to hold each at a point."""
+    """The engine PyBullet, with Bullet's two kinds of body, held at a point in several ways."""
 
     interface = 1
     name = "pybullet"
@@ -110,7 +110,7 @@ class PyBullet(Engine):
         return installed_version()
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Load the scene's URDF and set its start."""
+        """Load the scene's URDF and set its start; return the session."""
         if REPRESENTATIONS[method.name].maximal and scenario.constraint.is_pivot:
             check_borne(scenario, start_state(scenario), timestep)
         return self.open_with(scenario, method, timestep)
@@ -150,7 +150,7 @@ class PyBullet(Engine):
         return (SHAPE, MOTOR) if representation.hangs(scenario) else (SHAPE,)
 
     def at_version(self, version: str) -> Release:
-        """Return another version, with the same methods."""
+        """Return another version of PyBullet, with the same methods."""
         return release(version, self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:

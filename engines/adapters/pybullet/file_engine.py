@@ -41,7 +41,7 @@ class PyBulletFile(FileEngine):
     )
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> PyBulletSession:
-        """Load the link's element and set its start."""
+        """Load the link, cut out of its file, and set its start; return the session."""
         users = users_link(scenario)
         left = LEFT[method.name]
         # Shapes are needed only if PyBullet computes tensors from them.

@@ -72,6 +72,7 @@ def _load(client: int, file: str, flags: int) -> int | None:
 
 
 def _bodies(client: int, body: int) -> dict[str, BodyReading]:
+    """Return the links of a loaded body, by their names."""
     bodies = {}
     for link in range(BASE, p.getNumJoints(body, client)):
         if link == BASE:

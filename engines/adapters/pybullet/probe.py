@@ -16,8 +16,8 @@ PROBE_STEP = 2.0**-26
 #: Spin of a probe, rad/s, and speed of a free body's com, m/s; slow, so that gyroscopic terms stay
 #: below both errors.
 PROBE_SPIN = 2.0**-7
-#: Largest number of such errors that add up. The torque of PyBullet's default damping, 0.04 I ω, is
-#: a hundred thousand times as large.
+#: Relative tolerance of a measured torque: 16 such errors, of `PROBE_STEP` each, may add up. The
+#: torque of PyBullet's default damping, 0.04 I ω, is a hundred thousand times as large.
 SLACK = 16 * PROBE_STEP
 
 
@@ -32,7 +32,7 @@ class Probe:
 
     Attributes
     ----------
-    spin_world : rad/s, slow, (3,)
+    spin_world : a slow angular velocity from which steps are taken, rad/s, world axes, (3,)
     """
 
     def __init__(self, advance: Callable[[int], None], model: Model, scenario: Scenario) -> None:
@@ -59,7 +59,7 @@ class Probe:
 
         Parameters
         ----------
-        omega_world : ω, rad/s, (3,)
+        omega_world : ω, rad/s, world axes, (3,)
         """
         now = self.model.read_state()
         R_world_body = attitude(now)
@@ -75,9 +75,10 @@ class Probe:
         return before, self.model.read_state()
 
     def gains(self, omega_world: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the rates at which a step gains momentum, N, and angular momentum, N m, (3,) each.
+        """Return the rates at which a step gains momentum, N, and angular momentum, N m.
 
-        If the point that holds the body slides at v, the angular momentum about it also changes by
+        Both are in world axes, (3,); the step starts with `omega_world`, as in `after`. If the
+        point that holds the body slides at v, the angular momentum about it also changes by
         −m v × v_com, which is left out of the rate, since the force at the point passes through it.
         """
         before, after = self.after(omega_world)
@@ -99,7 +100,7 @@ class Probe:
         return np.asarray(R_world_body @ L_body + body.mass * about_world)
 
     def resistance(self) -> FloatArray:
-        """Return the torque on the spinning body minus the torque at rest, N m, (3,)."""
+        """Return the torque on the spinning body minus that at rest, N m, world axes, (3,)."""
         return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
 
     def unlike(self) -> tuple[str, str, str]:
@@ -122,7 +123,7 @@ class Probe:
         return torque, resistance, force
 
     def wrong_hinges(self) -> list[str]:
-        """Return words on the hinges with a torque: their angular momentum changes in a step.
+        """Return a sentence for each hinge with a torque: its angular momentum changes in a step.
 
         The angular momentum is the one that the scene's hinge would keep (see `Rotors.kept`).
         """

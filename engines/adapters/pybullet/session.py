@@ -81,13 +81,19 @@ class PyBulletSession(Session):
         self.world.restart(self._motions[key], timestep)
 
     def _renew_inertia(self, motion: dict[str, Any], state: State) -> None:
-        """Make PyBullet rotate a rigid body's inertia, which it only does at the end of a step."""
+        """Make PyBullet turn a rigid body's inertia to a state, as it else does at a step's end.
+
+        `motion` is the same state as `World.restart` takes it.
+        """
         rest, on_pivot = np.zeros(3), matrix(state.q_world_body_wxyz) @ self.model.body.com
         self.world.restart({**motion, "place": on_pivot, "omega": rest, "velocity": rest}, IDLE)
         self.advance(1)
 
     def advance(self, steps: int) -> None:
-        """Take steps as the world does; a world interrupted in a step is not used again."""
+        """Let the world take steps; raise `EngineError` if it is interrupted in one.
+
+        A world that was interrupted is not used again.
+        """
         try:
             self.world.advance(steps)
         except RuntimeError as error:
@@ -95,7 +101,7 @@ class PyBulletSession(Session):
             raise EngineError(str(error), "warning") from None
 
     def check(self) -> None:
-        """Raise if the clock is not as it was set, a velocity is clamped, or the pivot gave way."""
+        """Raise `EngineError` if the clock is not as it was set, or a velocity is clamped."""
         engine, world = p.getPhysicsEngineParameters(self.client), self.world
         wanted = (world.timestep * world.substeps, world.substeps)
         got = (engine["fixedTimeStep"], engine["numSubSteps"])
@@ -151,7 +157,13 @@ class PyBulletSession(Session):
 
 
 def _open(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> Model:
-    """Return the scene's body in a world of its own, at the start; PyBullet's warnings raise."""
+    """Return the scene's body in a world of its own, at the start.
+
+    Raises
+    ------
+    EngineError
+        If PyBullet cannot load the scene, or warns; with the text that it printed.
+    """
     client = -1
     try:
         with native_output() as printed:

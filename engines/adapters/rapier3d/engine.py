@@ -18,7 +18,7 @@ from ...world_session import WorldSession
 #: Effects that it can simulate: a rotor's hinge and a table are joints that lock other axes than a
 #: pivot.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
-#: Names of the axes that a joint can lock.
+#: Number of axes, of translation and of rotation, that a joint can lock.
 EVERY = 6
 #: Largest turn in a step, rad, by default: ANGULAR_MOTION_THRESHOLD of its sources.
 MOST_ROTATION_A_STEP = pi / 4
@@ -125,7 +125,7 @@ class Rapier3DSession(WorldSession):
 
 @final
 class Rapier3D(WorldEngine):
-    """Rapier's rigid bodies; a pivot is an impulse joint."""
+    """The engine Rapier, with its rigid bodies, and a pivot as an impulse joint."""
 
     session = Rapier3DSession
     name = "rapier3d"

@@ -1,4 +1,4 @@
-"""Judges and prints engines' derivatives, compared with the exact ones, for the command line."""
+"""The command `gradients`: judges and prints engines' derivatives, compared with exact ones."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
@@ -12,7 +12,7 @@ from ..choosing import choose, compile_first, executor_for
 from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
 
-#: Costs below this, in steps, are printed with one decimal.
+#: Costs below this, in units of the cost of a step, are printed with one decimal.
 DIGIT = 10.0
 
 
@@ -24,7 +24,7 @@ def gradients(
     window: float | None,
     time_limit: float | None,
 ) -> list[GradientRow]:
-    """Judge the derivatives of steps, for the methods named; if none is, for all not as shipped.
+    """Judge the derivatives of steps of the methods named, or of all that are not as shipped.
 
     Parameters
     ----------
@@ -87,6 +87,7 @@ def median_and_quartiles(costs: Sequence[float]) -> str:
 
 
 def _found(row: GradientRow) -> dict[str, object]:
+    """Return a derivative's verdict as a row of a table."""
     return {
         "scene": row.scene,
         "engine": row.engine,
@@ -101,7 +102,7 @@ def _found(row: GradientRow) -> dict[str, object]:
 
 
 def useless(row: GradientRow) -> str:
-    """Return from when on, s, the gradients of a window are as wrong as zeros would be, in words.
+    """Return the time, s, from which on gradients are as wrong as zeros would be, as text.
 
     The conditioning at that time follows in brackets. The text is empty if there is no such time.
     """
@@ -110,6 +111,7 @@ def useless(row: GradientRow) -> str:
 
 
 def _windows(rows: Sequence[GradientRow]) -> Iterator[dict[str, object]]:
+    """Yield a row of a table for each derivative that was compared over windows."""
     for row in rows:
         if row.window:
             last = row.window[-1]

@@ -188,7 +188,7 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
 
 
 def _without_script(scenario: Scenario, engine: Engine) -> str:
-    """Return the complaint that an engine cannot write scripts; it names the engines that can."""
+    """Return the message that an engine cannot write scripts; it names the engines that can."""
     able = [one.name for one in engines().values() if _writes(one, scenario)]
     return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
 
@@ -202,6 +202,7 @@ def _writes(engine: Engine, scenario: Scenario) -> bool:
 
 
 def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:
+    """Return the text after the script, with exact values at some of the times."""
     motion = solution.trajectory
     kept = np.unique(np.linspace(0, len(motion.t) - 1, MOST_SAMPLES).round().astype(int))
     columns = (steps, motion.q_world_body_wxyz, motion.omega_body)

@@ -189,6 +189,7 @@ def print_judgement(judgement: Judgement) -> None:
 
 
 def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
+    """Yield the lines that are printed about one recorded motion, without its table."""
     t = motion.recorded.trajectory.t
     yield f"{printable(name)}: {len(t)} samples from {t[0]:g} to {t[-1]:g} s"
     # What to do comes first; the verdict holds from sample to sample, whatever is wrong with all.

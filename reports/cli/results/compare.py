@@ -43,7 +43,7 @@ def changes_between_versions(results: Results, older: str, newer: str) -> list[C
 
 
 def _alone(results: Results, engine: str, name: str) -> Results:
-    """Return only the results of one engine, renamed.
+    """Return the runs and verdicts of one engine alone, under another name.
 
     Parameters
     ----------
@@ -75,9 +75,9 @@ def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
 
 
 def print_changes(changes: Sequence[Change]) -> None:
-    """Print the changes; where several errors of a method on a scene changed, only one.
+    """Print the changes as a table, a line for each group of `_grouped`.
 
-    It is the error that changed most.
+    A line shows the change of its group that is the largest.
     """
     if not changes:
         print("nothing changed")
@@ -101,6 +101,7 @@ def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
 
 
 def _line(group: Sequence[Change]) -> dict[str, object]:
+    """Return a group of changes as a row of a table: its largest change."""
     most = max(group, key=_ratio)
     what = most.name
     if most.kind == "error":

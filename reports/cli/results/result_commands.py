@@ -15,7 +15,7 @@ FORMULA = ("=", "+", "-", "@", "\t", "\n")
 
 
 def csv_text(records: Sequence[Mapping[str, object]]) -> str:
-    """Return a line of names and a line for each record; numbers read back to the last bit.
+    """Return records as CSV: a line of names, then a line for each; numbers have all digits.
 
     A missing value is an empty cell. A dictionary inside a record has a column for each of its
     entries, as in ``drifts.energy``; a list is joined by semicolons. A text that a spreadsheet
@@ -36,6 +36,7 @@ def csv_text(records: Sequence[Mapping[str, object]]) -> str:
 
 
 def _flattened(record: Mapping[str, object]) -> Iterator[tuple[str, object]]:
+    """Yield a record's columns and values; inner records are joined by dots."""
     for name, value in record.items():
         if isinstance(value, Mapping):
             yield from ((f"{name}.{entry}", inner) for entry, inner in _flattened(value))

@@ -85,6 +85,7 @@ def batches(
 
 
 def _check_batches(engine: Engine) -> None:
+    """Raise a `Complaint` if an engine cannot step batches of worlds."""
     if not engine.has_batches:
         able = ", ".join(one.name for one in engines().values() if one.has_batches)
         raise Complaint(
@@ -124,6 +125,7 @@ def exit_code(rows: Sequence[BatchRow]) -> int:
 
 
 def _line(row: BatchRow) -> dict[str, object]:
+    """Return a batch as a row of a table: how far worlds are apart, and costs."""
     assert row.seconds_per_step is not None, "only a row that was compared is printed"
     return {
         "worlds": row.worlds,
@@ -143,7 +145,7 @@ def _words(apart: Apart | None) -> str:
 
 
 def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:
-    """Yield what the motion depends on, and how many worlds make a batch cheaper than MuJoCo."""
+    """Yield sentences: what motions depend on, and which batches are cheaper than MuJoCo."""
     if not rows:
         return
     if because := list(dict.fromkeys(word for row in rows for word in row.because)):

@@ -33,7 +33,7 @@ def named_encodings(text: str) -> tuple[str, ...]:
 def encoded(
     chosen: Sequence[Engine], names: Sequence[str], scenarios: Sequence[Scenario]
 ) -> Iterator[Engine]:
-    """Yield the engines in each encoding that applies to a scene; say which do not apply, and why.
+    """Yield each engine in each encoding that applies to a scene; print which do not, and why.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def encoded(
 
 
 def encoding_rows() -> list[dict[str, str]]:
-    """Return a row for each encoding: its name, what it changes, and engines that support it."""
+    """Return a row for each encoding: name, what it changes, scenes and engines that support it."""
     rows = []
     for name, encoding in ENCODINGS.items():
         needed = encoding.description.features

@@ -62,6 +62,7 @@ def _by_method(points: Iterable[Row]) -> list[list[Row]]:
 
 
 def _line(points: Sequence[Row]) -> dict[str, object]:
+    """Return a method's runs on an ensemble as a row of a table."""
     outcomes = Counter(point.outcome for point in points)
     causes = Counter(point.cause for point in points if point.cause)
     run = Members(points[0].pair, tuple(point for point in points if point.simulated))
@@ -106,6 +107,7 @@ def run_ensembles(
 
 
 def _check_members(members: int, seed: int) -> None:
+    """Raise a `Complaint` if the number of members or the seed is too large."""
     if members > MAX_MEMBERS:
         raise Complaint(f"an ensemble has {MAX_MEMBERS} members at most, got {members}")
     if seed > MAX_SEED:

@@ -138,6 +138,7 @@ def exit_code(recommendation: Recommendation) -> int:
 
 
 def _check_bounds(bounds: ErrorBounds, scenario: Scenario) -> None:
+    """Raise a `Complaint` if a bound is not positive, or of no signal of the scene."""
     for signal, bound in bounds.items():
         if not 0 < bound < math.inf:
             raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}")
@@ -167,7 +168,7 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
 def _timed_runs(
     scene: str, bounds: ErrorBounds, engine_names: Sequence[str], stored: Path
 ) -> Results | None:
-    """Return what a result file has of the scene and of installed engines.
+    """Return the results in a file on the scene, by the engines at their installed versions.
 
     None is returned if no method has `LEAST_TIMED` timed runs, or if a signal that is bounded is
     missing in the errors: older files have no spins.
@@ -232,7 +233,7 @@ def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) ->
 
 
 def _as_typed(candidate: Candidate) -> Candidate:
-    """Return the candidate with its timestep rounded to few digits, and the cost at that."""
+    """Return the candidate with its timestep rounded to few digits and its cost changed to fit."""
     if candidate.timestep is None or candidate.cost is None:
         return candidate
     timestep = to_type(candidate.timestep, candidate.finest_useful)

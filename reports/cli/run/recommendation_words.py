@@ -82,6 +82,7 @@ def print_recommendation(recommendation: Recommendation) -> None:
 
 
 def _priced(candidate: Candidate) -> str:
+    """Return a candidate, with its timestep and cost, in words."""
     finest = candidate.finest_useful
     floor = f"; finer than {finest:.3g} s makes it worse" if finest is not None else ""
     return (
@@ -91,6 +92,7 @@ def _priced(candidate: Candidate) -> str:
 
 
 def _method(candidate: Candidate) -> dict[str, Any]:
+    """Return a candidate as a JSON object."""
     return asdict(candidate.key) | {
         "timestep": candidate.timestep,
         "seconds_per_simulated_second": candidate.cost,
@@ -105,6 +107,7 @@ def _method(candidate: Candidate) -> dict[str, Any]:
 
 
 def _check_line(row: Row, bounds: ErrorBounds) -> str:
+    """Return, in words, whether a check kept the bounds, and its errors."""
     run = f"{row.key.label} at {row.timestep!r} s"
     if row.errors is None:
         return f"Check of {run}: {row.outcome}: {row.reason}"

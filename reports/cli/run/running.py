@@ -121,12 +121,12 @@ def run(
 
 
 def gone_on_with(out: Path) -> str:
-    """Return what is said when a run is stopped: where results are, and how to continue."""
+    """Return the message for a run that is stopped: where results are, and how to continue."""
     return f"finished results are in {printable(str(out))}; the same command continues from there"
 
 
 def check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
-    """Check that every engine asked for applies to some scene."""
+    """Raise a `Complaint` if an engine asked for applies to none of the scenes."""
     for engine in choice.engines:
         if not any(engine.applies_to(scenario) for scenario in scenarios):
             raise Complaint(

@@ -44,7 +44,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 
 
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield how many verdicts there are, and how many say 'converges', 'disagrees' and so on.
+    """Yield lines that count the verdicts, and each word such as 'converges' or 'disagrees'.
 
     Methods with the effects of the scene alone, and methods as shipped, are counted apart.
     """
@@ -61,7 +61,7 @@ def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield the first failing verdict with its reason, and how many more fail."""
+    """Yield lines on the first failing verdict, with its reason, and on how many more fail."""
     wrong = [verdict for verdict in verdicts if not verdict.agrees]
     if not wrong:
         return
@@ -77,7 +77,7 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def _lost(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield how many runs failed because of the machine, and why the first of them did."""
+    """Yield lines on how many runs failed because of the machine, and why the first one did."""
     lost = [row for row in rows if row.cause in ENVIRONMENTAL]
     if lost:
         text = f"{plural(len(lost), 'run')} lost by the machine's fault: {lost[0].reason}"
@@ -106,9 +106,9 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 
 def _best(report: ReportData) -> Iterator[str]:
-    """Yield the cheapest accurate run of each scene.
+    """Yield lines on the cheapest accurate run of each scene.
 
-    For more than `SCENES_PRINTED` scenes, yield the methods that are most often best instead.
+    For more than `SCENES_PRINTED` scenes they name the methods that are most often best instead.
     """
     choices = {scene.name: best_choice(scene) for scene in report.scenes}
     best = {name: choice for name, choice in choices.items() if choice is not None}
@@ -128,7 +128,7 @@ def _best(report: ReportData) -> Iterator[str]:
 
 
 def _finest(report: ReportData) -> Iterator[str]:
-    """Yield the timesteps below which rounding makes errors grow, and where rounding has a bias."""
+    """Yield lines on where rounding makes errors grow at shorter timesteps, or has a bias."""
     for sentence in finest_in_words(list(finest_timesteps(report).values())):
         yield from textwrap.wrap(f"{sentence}.", WIDTH, max_lines=REASON_LINES, placeholder=" …")
 

@@ -23,7 +23,7 @@ WIDTH = 80
 SCENE, METHOD = 25, 25
 #: Largest number of lines of a reason.
 REASON_LINES = 3
-#: Width of what is varied in a run.
+#: Width of the column that shows what is varied in a run.
 VARIED = 24
 
 
@@ -110,6 +110,7 @@ def cut(text: str, width: int) -> str:
 
 
 def _begun(row: Row) -> str:
+    """Return the beginning of a run's line: its timestep, or what is varied."""
     if row.varied:
         values = "  ".join(map(_value, row.varied.values()))
         return f"  {cut(values.rstrip(), VARIED - 1):{VARIED}}"

@@ -67,6 +67,7 @@ def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, st
 
 
 def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]) -> str:
+    """Return a motion as CSV, with its columns' meanings in comments before it."""
     uncertainty = ", ".join(f"{name} {value:.1e}" for name, value in solution.uncertainty)
     about = [
         f"{printable(scenario.name)}: {printable(scenario.title)}",
@@ -101,7 +102,7 @@ QUARTERS = 5
 def describe(
     scenario: Scenario, at: Sequence[float], sensitivities: bool = False
 ) -> dict[str, Any]:
-    """Return states, uncertainty, conserved quantities and facts of a scene, in SI units.
+    """Return the exact motion of a scene for JSON: states, uncertainty, drifts and facts, SI units.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ def _listed(record: Any) -> dict[str, Any]:
 
 
 def print_derivatives(record: dict[str, Any]) -> None:
-    """Print a table for each time: each row has the derivatives of the quantities in the headings.
+    """Print a table for each time: a row is the derivatives, of the headings, by one parameter.
 
     Parameters
     ----------
@@ -68,6 +68,15 @@ def print_derivatives(record: dict[str, Any]) -> None:
 def _rows(
     record: dict[str, Any], heads: tuple[str, ...], k: int, names: Any
 ) -> Iterator[dict[str, object]]:
+    """Yield a row of a table for each number that derivatives are with respect to, at one time.
+
+    Parameters
+    ----------
+    record : derivatives at all times, by their names, as for JSON
+    heads : headings of the columns, one for each row of a derivative
+    k : index of the time
+    names : names of the derivatives in the record
+    """
     for name in names:
         columns = np.atleast_2d(np.array(record[name][k]).T).tolist()
         ends = {1: [""], len("xyz"): [" x", " y", " z"]}.get(

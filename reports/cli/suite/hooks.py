@@ -44,7 +44,7 @@ class Subject(ABC):
     method: Method | None = None
 
     def follows(self, name: str) -> None:
-        """Fail unless the motion of a scene converges to the exact one; skip if undecided.
+        """Fail the test if the verdict on a scene is wrong or `diverges`; skip it if undecided.
 
         Parameters
         ----------
@@ -59,7 +59,7 @@ class Subject(ABC):
 
     @abstractmethod
     def _verdict(self, name: str) -> Verdict:
-        """Return the verdict on one of the suite's scenes, given its name."""
+        """Return the subject's verdict on the suite's scene of that name."""
 
 
 @final
@@ -162,7 +162,7 @@ TESTS = [name for name in [*vars(test_adapter), *vars(test_physics)] if name.sta
 
 
 def known_failures(path: Path) -> dict[str, str]:
-    """Return the reasons of known failures, by test.
+    """Return the reasons of known failures, by the ids of tests, from a file.
 
     The file is TOML, a line ``"test_heavy_top[my-engine-RK4]" = "reason"`` for each test. A line
     without the brackets holds for every engine and method.

@@ -1,4 +1,7 @@
-"""Chooses the methods that are also timed with nothing left out, and compares their motions."""
+"""Chooses the methods that are also timed with no pass left out, and compares their motions.
+
+A pass, or part of a step, is left out if a scene does not call for it (`Engine.left_out`).
+"""
 
 import math
 from collections.abc import Sequence
@@ -25,7 +28,7 @@ def with_all_left_in(
     """Return the methods that are also timed with the passes that they leave out on a scene.
 
     Of an engine's methods that leave out the same passes, these are the first method and one of the
-    highest order, which reports recommend.
+    highest order, which reports recommend. Each comes with its engine, varied to leave nothing out.
     """
     alike: dict[tuple[str, tuple[str, ...]], list[EngineMethod]] = {}
     for engine, method in pairs:
@@ -43,6 +46,10 @@ def motions_apart(
     scenario: Scenario, engine: VariedEngine, name: str
 ) -> tuple[float, float] | None:
     """Return the difference of a varied engine's motion from that of the unvaried engine.
+
+    Parameters
+    ----------
+    name : name of the method
 
     Returns
     -------

@@ -127,13 +127,20 @@ def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCo
 
 
 def timed_timestep(scenario: Scenario) -> float:
-    """The timestep at which a scene's steps are timed, s."""
+    """Return the timestep at which a scene's steps are timed, s."""
     speed = float(np.linalg.norm(scenario.start.omega_body))
     return TIMED_TURN / speed if speed else TIMED_TURN
 
 
 def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[TimingSample]]:
-    """Time sessions in turn, `REPEATS` stretches each; none if a session fails to load or step."""
+    """Time sessions in turn, and return `REPEATS` timed stretches of each.
+
+    A session that its engine fails to load or to step has no stretches.
+
+    Parameters
+    ----------
+    openings : functions that open the sessions
+    """
     with ExitStack() as stack:
         timed = [_Timed(stack, opening) for opening in openings]
         for _ in range(REPEATS):
@@ -214,7 +221,7 @@ class _Timed:
 
 
 def _in_few_calls(steps: int) -> int:
-    """Return the next number, from `steps` on, with `DIGITS_OF_STEPS` significant binary digits."""
+    """Return the least number from `steps` on with `DIGITS_OF_STEPS` significant binary digits."""
     unit = 1 << max(0, steps.bit_length() - DIGITS_OF_STEPS)
     return math.ceil(steps / unit) * unit
 

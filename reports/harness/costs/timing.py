@@ -25,6 +25,10 @@ def time_scene(
     All methods are timed in one call, interleaved, even if the time of only one is missing, as
     times taken at different moments cannot be compared. Times are stored last, so that a scene with
     times is complete. If the machine prevented the timing, the next run repeats it.
+
+    Parameters
+    ----------
+    progress : called with a sentence on how the timing ended
     """
     try:
         complaints = _time_scene(scene, choice, store, executor)

@@ -1,7 +1,7 @@
-"""Compiles the solver of exact motions, side by side, before it is needed.
+"""Compiles the solver of exact motions, in two processes at once, before it is needed.
 
-``python -m spincheck.reports.harness.executors.compiling`` does it after an installation, a study
-before its first scene: else each worker would compile for itself.
+``python -m spincheck.reports.harness.executors.compiling`` does so after an installation, and a
+study before its first scene: otherwise each worker would compile for itself.
 """
 
 from collections.abc import Callable

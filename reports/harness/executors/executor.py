@@ -100,7 +100,7 @@ class Executor(ABC):
     def alone(self) -> "Executor":
         """Return an executor on this computer that makes one call at a time, for timing.
 
-        It ends with this executor, which may make no other call in the meantime.
+        It is closed together with this executor, which must make no call while it is used.
         """
 
     @final

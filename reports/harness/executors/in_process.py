@@ -19,7 +19,13 @@ class InProcess(Executor):
         self._stopped = False
 
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
-        """Call the function in this process."""
+        """Call the function in this process, and return its answer.
+
+        Raises
+        ------
+        ExecutorStopped
+            If the executor was stopped.
+        """
         if self._stopped:
             raise ExecutorStopped
         try:

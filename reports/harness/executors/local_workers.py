@@ -34,7 +34,13 @@ class LocalWorkers(Executor):
         self._stopped = False
 
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
-        """Call a function in this thread's worker; arguments and returned value are pickled."""
+        """Call a function in this thread's worker; arguments and returned value are pickled.
+
+        Raises
+        ------
+        ExecutorStopped
+            If the executor was stopped.
+        """
         return self._slot("").call(partial(function, *args, **kwargs))
 
     def call_at(

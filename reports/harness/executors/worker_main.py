@@ -103,7 +103,10 @@ def _answer(request: bytes) -> bytes:
 
 
 def cause_of(error: BaseException) -> "Cause":
-    """Return, in one word, why a call raised: `environment` if the machine is to blame."""
+    """Return, in one word, why a call raised an error.
+
+    It is `environment` if the machine is to blame, `killed` if a child process was, else `bug`.
+    """
     # An `EngineError` has its own cause, as its child may have been killed.
     if getattr(error, "cause", "") == "killed":
         return "killed"

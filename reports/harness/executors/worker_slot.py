@@ -94,7 +94,15 @@ class WorkerSlot:
         return answer
 
     def _ready(self) -> WorkerProcess:
-        """Return the running worker process; start a new one if there is none or it has died."""
+        """Return the running worker process; start a new one if there is none or it has died.
+
+        Raises
+        ------
+        ExecutorStopped
+            If the slot was stopped.
+        OSError
+            If no process can be started.
+        """
         with self._changing:
             if self._stopped:
                 raise ExecutorStopped

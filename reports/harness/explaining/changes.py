@@ -26,8 +26,9 @@ from .other_tensors import (
     without_rotation,
 )
 
-#: Axes of conventions of Euler angles, which turn with the body. Where all three differ, rates are
-#: in the order x, y, z. The convention zxz is left out, as its rates are those of zyz.
+#: Axes of conventions of Euler angles (intrinsic, in the order of the rotations). Where all three
+#: differ, rates are in the order x, y, z. The convention zxz is left out, as its rates are those of
+#: zyz.
 EULER_ANGLES = (*permutations(range(3)), (2, 1, 2))
 #: Kinds of changes that fit a tensor of inertia, and one that fits G of the torque ω × Gω.
 FITTED_TENSORS = {
@@ -136,7 +137,7 @@ def _scaled_tensor(h: Hypothesis, n: FloatArray) -> Hypothesis:
 
 
 def _with_entry(e: OtherEquations, at: int) -> Change:
-    """The change of one entry of the tensor, as by a wrong figure, by its index in `ENTRIES`."""
+    """The change of one entry of the tensor, as by a misprint; `at` is its index in `ENTRIES`."""
     entries, unit = tensor_entries(e.inertia), np.eye(6)[at]
 
     def changed(h: Hypothesis, n: FloatArray) -> Hypothesis:
@@ -153,7 +154,7 @@ def _rotated_tensor(h: Hypothesis, turn: FloatArray) -> Hypothesis:
 
 
 def tensor(e: OtherEquations) -> Change:
-    """The change that fits the whole tensor; with a fixed trace if no torque shows its scale."""
+    """The change that fits the whole tensor, with a fixed trace if no torque shows its scale."""
     if not is_scaled(e):
         return _with_trace(f"tensor{UP_TO_A_FACTOR}", e.inertia, Hypothesis.of_tensor)
     entries = tensor_entries(e.inertia)
@@ -180,7 +181,7 @@ def _with_trace(
 
 
 def is_scaled(e: OtherEquations) -> bool:
-    """Whether a torque acts that shows the scale of the tensor."""
+    """Whether a torque acts by which a motion shows the scale of the tensor of inertia."""
     pulled = e.pull.any() and e.gravity_world.any()
     pushed = e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any()
     return bool(pulled or pushed or e.mobility)

@@ -75,7 +75,7 @@ def _scaled_torques(e: OtherEquations) -> Iterator[Change]:
 
 
 def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
-    """Changes in which L decays at a rate, besides the scene's drag or in place of it.
+    """Changes in which the angular momentum decays, besides the scene's drag or in place of it.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
 
 
 def resistance_of_other_powers(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes to quadratic drag, and to dry friction, with a fitted coefficient."""
+    """Changes that make drag quadratic, or dry friction, with a coefficient that is fitted."""
     yield from (drags_law(scenario, e, power) for power in POWERS)
 
 
@@ -192,7 +192,7 @@ def of_momentum(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that add torques by the attitude, or turns of body or world to ω.
+    """Changes that add torques that depend on the attitude, or a rotation of body or world axes.
 
     Only long motions show them.
     """
@@ -213,11 +213,13 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def by_attitude(size: float) -> Change:
-    """The change that adds torques Σ P eᵢ × Rᵀeᵢ by the attitude; P, (3, 3), is fitted.
+    """The change that adds the torque Σ P eᵢ × Rᵀeᵢ, which depends on the attitude R.
+
+    The matrix P, (3, 3), is fitted.
 
     Parameters
     ----------
-    size : scale of its entries, N m
+    size : scale of the entries of P, N m
     """
     return fitted(
         "torque by attitude",
@@ -229,12 +231,12 @@ def by_attitude(size: float) -> Change:
 def dipole(P: FloatArray) -> Change:
     """The change that adds the torque of a dipole in a field.
 
-    Its parameters are the three components of the dipole times the field, N m, and two angles of
-    the field's direction, rad. Zeros are the dipole that is nearest to P.
+    Its five parameters are deviations of the dipole times the field strength, three components,
+    N m, and of the field's direction, two angles, rad, from those of the dipole nearest to P.
 
     Parameters
     ----------
-    P : fitted torques by the attitude, as in `by_attitude`, N m, (3, 3)
+    P : a fitted matrix of torques, as in `by_attitude`, N m, (3, 3)
     """
     of_body, scales, of_world = np.linalg.svd(P)
 
@@ -251,11 +253,11 @@ def dipole(P: FloatArray) -> Change:
 
 
 def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
-    """The change that adds a spring that turns the body to an attitude.
+    """The change that adds a spring, which turns the body to an attitude of rest.
 
     Parameters
     ----------
-    size : scale of its stiffness, N m/rad
+    size : scale of the stiffness, N m/rad
     """
     R_rest = matrix(q_rest_wxyz)
     return Change(
@@ -272,7 +274,10 @@ def world_turning(rate: float) -> Change:
 
 
 def _gravity_gradient(h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """Return a hypothesis with a gravity gradient by five entries, as a multiple of 1 is none."""
+    """Return a hypothesis with a gravity gradient, 1/s², of five entries n besides a zero, (5,).
+
+    A multiple of the identity would have no torque.
+    """
     return h.of(gravity_gradient=tensor_of_entries([*n[:2], 0.0, *n[2:]]))
 
 
@@ -308,7 +313,7 @@ def mean_moment(e: OtherEquations) -> float:
 
 
 def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
-    """The size of a torque that changes the motion within about a radian, N m."""
+    """The size of a torque that changes the motion while the body turns by about a radian, N m."""
     return mean_moment(e) * _fastest(scenario, e) ** 2
 
 

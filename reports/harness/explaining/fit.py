@@ -57,21 +57,24 @@ class Data(ABC):
         """
 
     def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:  # noqa: ARG002
-        """How far a hypothesis is from its prior mean, in prior standard deviations, (p,)."""
+        """How far p numbers of a hypothesis are from prior means, in prior deviations, (p,).
+
+        It is empty if there is no prior.
+        """
         return np.empty(0)
 
     @property
     def correlated(self) -> float:
-        """How many residuals are correlated, so that they count as one."""
+        """How many residuals are correlated, so that together they count as one in χ²."""
         return 1.0
 
     @property
     def growing(self) -> Sequence["Data"]:
-        """More and more of the first samples, which a fit proceeds through; at last all data."""
+        """Data of more and more of the first samples, to be fitted in turn; at last all data."""
         return (self,)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """How much smaller χ² of the residuals after a change is than χ² before it."""
+        """The decrease of χ² from the residuals before a change to those after it."""
         return float(np.sum(before**2) - np.sum(after**2)) / self.correlated
 
     def residuals(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
@@ -86,9 +89,10 @@ class Fit:
 
     Attributes
     ----------
-    parameters : of all changes, (k,)
-    covariance : of the parameters, with their prior, if only noise is left, (k, k)
-    residuals : (m,)
+    hypothesis : the result of the changes with these parameters
+    parameters : those of all changes, (k,)
+    covariance : of the parameters, with their prior, if the residuals are noise, (k, k)
+    residuals : in units of their standard deviation, (m,)
     rank : how many parameters the data determine
     jacobian : derivatives of the residuals by the scaled parameters, (m, k)
     """
@@ -118,10 +122,10 @@ class Fit:
 
     @property
     def is_physical(self) -> bool:
-        """Whether a motion may have been computed with such tensors of inertia.
+        """Whether a motion may have been computed with the tensors of inertia of the hypothesis.
 
-        A mistake may lead to a tensor that no rigid body has. A fitted tensor must be that of a
-        rigid body, as else the fit only mimics the data.
+        They must be positive definite, though a mistake may lead to a tensor that no rigid body
+        has. A fitted tensor must be that of a rigid body, as else the fit only mimics the data.
         """
         equations, kinds = self.hypothesis.equations, {change.kind for change in self.changes}
         possible = [np.linalg.eigvalsh(equations.inertia)[0] > 0]
@@ -151,8 +155,8 @@ class Linear:
 
     Attributes
     ----------
-    residuals : with parameters of zero, (m,)
-    jacobian : their derivatives by the scaled parameters, (m, k)
+    residuals : those with parameters of zero, (m,)
+    jacobian : derivatives of the residuals by the scaled parameters, (m, k)
     """
 
     residuals: FloatArray
@@ -180,7 +184,7 @@ class Trial:
         return np.concatenate([np.empty(0), *(change.scales for change in self.changes)])
 
     def hypothesis(self, x: FloatArray) -> Hypothesis:
-        """All changes made, with given scaled parameters, (k,)."""
+        """The hypothesis that all changes make of `data.base`, with scaled parameters x, (k,)."""
         hypothesis, at = self.data.base, 0
         for change in self.changes:
             end = at + len(change.scales)
@@ -190,13 +194,19 @@ class Trial:
 
     @property
     def around_zero(self) -> list[Hypothesis]:
-        """The hypotheses with parameters of zero, and with a small step in each, k + 1."""
+        """The k + 1 hypotheses with all parameters zero, and with a small step in each of them."""
         zero = np.zeros((1, len(self.scales)))
         steps = SMALL * np.eye(len(self.scales))
         return [self.hypothesis(x) for x in np.vstack([zero, steps])]
 
     def around(self, before: Fit, last: int) -> list[Hypothesis]:
-        """The hypotheses at a fit's parameters, and with a small step in each of the last ones."""
+        """The hypotheses with a fit's parameters, and with a small step in each of the last ones.
+
+        Parameters
+        ----------
+        before : a fit of some of the changes; the parameters of the others are zero
+        last : how many of the last parameters are changed, one at a time
+        """
         x, steps = self._start(before), SMALL * np.eye(len(self.scales))
         return [self.hypothesis(one) for one in (x, *(x + steps[len(x) - last :]))]
 
@@ -247,7 +257,7 @@ class Trial:
         return least_squares(residuals, x, jacobian, xtol=tolerance, max_nfev=evaluations)
 
     def _fit_from(self, x: FloatArray, evaluations: int = EVALUATIONS) -> Fit:
-        """Fit the parameters to all data, starting from given scaled ones, (k,)."""
+        """Fit the parameters to all data, starting from scaled parameters x, (k,)."""
         if not len(x):
             (residuals,) = self.data.residuals([self.hypothesis(x)])
             none = np.empty((0, 0)), residuals, 0, np.empty((len(residuals), 0))
@@ -274,7 +284,7 @@ class Trial:
 
 
 def linear(trials: Sequence[Trial]) -> list[Linear]:
-    """Trials of the same data, linearised around parameters of zero."""
+    """The trials, which have the same data, linearised around parameters of zero."""
     if not trials:
         return []
     around = [trial.around_zero for trial in trials]
@@ -288,12 +298,13 @@ def residuals_if_linear(
 ) -> FloatArray:
     """The residuals of some changes of a fit with each of M other changes, to first order, (M, m).
 
-    This takes no fit, as the score test (C. R. Rao, Math. Proc. Camb. Philos. Soc. 44 (1948) 50):
+    No fit is made, as in the score test (C. R. Rao, Math. Proc. Camb. Philos. Soc. 44 (1948) 50):
     the changes that are kept keep the derivatives of the earlier fit.
 
     Parameters
     ----------
-    kept : those changes of the fit that each of the others is added to
+    before : the earlier fit
+    kept : the changes of that fit to which each of the others is added
     """
     trials = [Trial(data, (*kept, other)) for other in others]
     around = [
@@ -329,7 +340,8 @@ def of_pairs(
 
     Yields
     ------
-    Of the n pairs with as many parameters: their mean squares, (n,), and their indices, (n, 2)
+    For each total number of parameters: the mean squares of the residuals of the n pairs that have
+    it, (n,), and the indices of these pairs in `each`, (n, 2)
     """
     jacobian = np.hstack([one.jacobian for one in each])
     zero = np.column_stack([unchanged, *(one.residuals for one in each)])

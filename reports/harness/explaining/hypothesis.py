@@ -16,17 +16,17 @@ class Hypothesis(NamedTuple):
 
     Attributes
     ----------
-    equations : of motion
-    start : by how much the first attitude is turned, a rotation vector, rad, and ω differs, rad/s,
-        body axes, (6,)
+    equations : the equations of motion
+    start : deviation of the first state from the scene's: a rotation vector, rad, and a difference
+        of ω, rad/s, body axes, (6,)
     read, bias, drift, lag : at a time t, s, `read` @ ω(t − `lag`) + `bias` + t `drift` is read,
         along body axes; (3, 3), rad/s (3,), rad/s² (3,) and s
     low_pass : time constant, s, of a low-pass filter of first order that ω has passed
     is_begun : whether that filter begins at the first sample, with ω as it is there
-    turned, delay : of the attitude that of `delay` s before is read, and of axes that are turned in
-        the body by a rotation vector, rad, (3,)
-    step : timesteps that a step takes
-    velocity : factor by which the com's velocity is read too large
+    turned, delay : the attitude that is read is that of `delay` s before, and that of axes turned
+        in the body by the rotation vector `turned`, rad, (3,)
+    step : time by which a step advances the motion, in timesteps
+    velocity : factor by which the com's velocity that is read is too large
     braking : rate at which the com of a body without a pivot is slowed, 1/s
     """
 
@@ -45,7 +45,7 @@ class Hypothesis(NamedTuple):
     braking: float = 0.0
 
     def of(self, **terms: Any) -> "Hypothesis":
-        """A hypothesis in which some terms of the equations are replaced by these."""
+        """A hypothesis in which the given terms of the equations replace those of this one."""
         return self._replace(equations=self.equations._replace(**terms))
 
     def of_tensor(self, inertia: FloatArray) -> "Hypothesis":
@@ -65,10 +65,10 @@ class Change:
 
     Attributes
     ----------
-    kind : of `KINDS`
+    kind : name of the kind of change, by which it is stored and put in words
     apply : makes the change in a hypothesis, with given parameters, (k,); zeros change nothing
-    scales : of the parameters: values with which the change is neither small nor large, (k,)
-    shown : the numbers that its words state, computed from the parameters
+    scales : values of the parameters with which the change is neither small nor large, (k,)
+    shown : computes the numbers that the words of the change state from the parameters
     """
 
     kind: str
@@ -82,7 +82,13 @@ class Change:
 
 
 def set_to(kind: str, shown: Sequence[float] = (), **terms: Any) -> Change:
-    """A change without parameters, which sets terms of the equations to given values."""
+    """A change without parameters, which sets terms of the equations to given values.
+
+    Parameters
+    ----------
+    shown : the numbers that the words of the change state
+    terms : the values, by the names of the terms
+    """
     return Change(kind, lambda h, _: h.of(**terms), np.empty(0), lambda _: shown)
 
 
@@ -92,12 +98,12 @@ def fitted(
     scale: float | FloatArray,
     apply: Callable[[Hypothesis, FloatArray], Hypothesis],
 ) -> Change:
-    """A change of k numbers of the equations, whose parameters are their deviations from nominal.
+    """A change of k numbers of the equations; its parameters are deviations from nominal values.
 
     Parameters
     ----------
     nominal : the numbers without the change, (k,)
-    scale : of the deviations
+    scale : scale of the deviations, in the unit of the numbers
     apply : puts the changed numbers into a hypothesis
     """
     scales = np.broadcast_to(scale, nominal.shape).astype(float)
@@ -110,7 +116,8 @@ def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -
     Parameters
     ----------
     wholes : the given factors
-    sign : of the number in the change's words where the factor is larger than one
+    sign : sign of the number in the change's words if the factor is larger than one
+    terms : the nominal values, by the names of the terms
     """
     for whole in wholes:
         multiplied: Any = {name: whole * term for name, term in terms.items()}

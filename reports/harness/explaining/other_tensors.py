@@ -1,4 +1,4 @@
-"""The tensors of inertia that usual mistakes make of a body's."""
+"""The tensors of inertia that common mistakes lead to in place of a body's own."""
 
 from collections.abc import Iterator, Sequence
 from itertools import permutations, product
@@ -23,7 +23,10 @@ Tensor = tuple[str, Sequence[float], FloatArray]
 
 
 def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
-    """All different tensors that usual mistakes make of the scene's; of equal ones the first."""
+    """The different tensors that common mistakes lead to; of equal ones only the first.
+
+    They are about the pivot if there is one, as is the scene's tensor.
+    """
     inertia, of_com = np.array(scenario.inertia), np.array(scenario.body.inertia_com)
     seen = [inertia]
     for kind, numbers, wrong in _of_mistakes(scenario, of_com):
@@ -37,7 +40,7 @@ def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
 
 
 def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
-    """Yield the tensors that usual mistakes in stating the inertia lead to, about the com.
+    """Yield the tensors about the com that common mistakes in stating the inertia lead to.
 
     Parameters
     ----------
@@ -99,7 +102,7 @@ def without_rotation(tensor: FloatArray) -> Iterator[FloatArray]:
 
 
 def about_conjugated_axes(tensor: FloatArray) -> Iterator[FloatArray]:
-    """The tensors, (3, 3), by the inverse rotation to principal axes, in every order of these."""
+    """The tensors, (3, 3), if the rotation to principal axes, in any order, is inverted."""
     moments, axes = np.linalg.eigh(tensor)
     for order in map(list, permutations(range(3))):
         for signs in HALF_TURNS:
@@ -113,6 +116,6 @@ def tensor_entries(tensor: FloatArray) -> FloatArray:
 
 
 def tensor_of_entries(entries: Sequence[float] | FloatArray) -> FloatArray:
-    """The tensor with these entries, (3, 3)."""
+    """The symmetric tensor, (3, 3), with the entries Ixx, Iyy, Izz, Ixy, Ixz and Iyz, (6,)."""
     xx, yy, zz, xy, xz, yz = entries
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

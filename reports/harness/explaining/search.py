@@ -22,14 +22,15 @@ from .hypothesis import Change
 SIGNIFICANCE = 1e-6
 #: A change explains residuals if it reduces their root mean square to this fraction or less.
 LEFT = 0.1
-#: A change that reduces them to this fraction or less explains them exactly, but for rounding.
+#: A change that reduces it to this fraction or less explains residuals exactly, but for rounding.
 SAME = 1e-3
-#: The most parameters of a fit that leaves no more than noise, if `Search.most` is given. A smooth
-#: motion of some radians can be matched with more of them by equations that are not its own.
+#: The most parameters of a fit whose residuals do not exceed noise, if `Search.most` is given. With
+#: more of them, equations that are not a motion's own can match it if it is smooth and turns by
+#: some radians only.
 MOST_OF_ALL = 10
-#: A change is fitted if it reduces the residuals to this fraction where it is linearised; a pair of
-#: changes, if it does that to the residuals of either change alone. Of the pairs with as many
-#: parameters the best `PAIRS` are fitted.
+#: A change is fitted if, linearised, it reduces the root mean square of the residuals to this
+#: fraction or less; a pair of changes, if it so reduces that of either change alone. Of the pairs
+#: with equal numbers of parameters the best `PAIRS` are fitted.
 PROMISING, PAIRS = 0.5, 3
 #: How many trials are fitted in each step of a stepwise regression: the best if linearised.
 LIKELIEST = 3
@@ -41,10 +42,11 @@ class Search:
 
     Attributes
     ----------
-    most : the most parameters of a fit that leaves more than noise and a method's error, as many
+    changes : the changes that are tried
+    most : the most parameters of a fit whose residuals exceed noise and a method's error, as many
         parameters explain a little of anything; no limit if None
     part : the fraction to which a change must reduce the residuals to explain them
-    usual : the changes that such data often call for
+    usual : the changes that such data often call for, and that therefore count as simpler
     """
 
     data: Data
@@ -108,16 +110,16 @@ class Search:
         return linear(self.trials)
 
     def growing(self, most: int, kept: tuple[Change, ...] = ()) -> Fit:
-        """The best set of changes by stepwise regression, to more and more of the data.
+        """The best set of changes by stepwise regression on more and more of the data.
 
-        It begins with the first samples, where the motion is nearly linear in the parameters, and
-        goes on from the changes and parameters that explain them. It ends where residuals are so
-        large that no parameters mean anything.
+        The regression begins with the first samples, where the motion is nearly linear in the
+        parameters, and goes on from the changes and parameters that explain them. It ends where
+        residuals are so large that no parameters mean anything.
 
         Parameters
         ----------
         most : how many changes there may be
-        kept : the changes that it begins with, and that are left out at the end only
+        kept : changes to begin with, which may be left out only once all data are used
         """
         fit = Trial(self.data.growing[0], kept).fit()
         for data in self.data.growing:
@@ -128,7 +130,7 @@ class Search:
         return self.stepwise(fit, most) if kept else fit
 
     def stepwise(self, fit: Fit, most: int, kept: tuple[Change, ...] = ()) -> Fit:
-        """The best set of changes by stepwise regression, which begins with those of a fit.
+        """The best set of changes by stepwise regression, which begins with the changes of a fit.
 
         In each step a change is added, left out, or takes the place of another, whichever improves
         the score most.
@@ -147,13 +149,13 @@ class Search:
             fit = best
 
     def _others(self, fit: Fit, subsets: Sequence[tuple[Change, ...]], most: int) -> Iterator[Fit]:
-        """Fits with another change beside some of those of a fit, if it improves the score.
+        """Fits of one more change together with some or all of the changes of a fit.
 
-        Those that improve the score most if linearised are fitted.
+        Only the `LIKELIEST` that, linearised, improve the score most are fitted.
 
         Parameters
         ----------
-        subsets : the changes of the fit that another one is added to
+        subsets : all changes of the fit, then the subsets of them to which a change is added
         most : how many changes there may be
         """
         trials: list[tuple[float, Trial]] = []
@@ -175,7 +177,7 @@ class Search:
 
         Parameters
         ----------
-        but : a change that none takes the place of
+        but : a change that is not replaced
         """
         subsets = [*_without(fit.changes, 1), *_without(fit.changes, 2)]
         subsets = [one for one in subsets if but in one or but not in fit.changes]
@@ -184,11 +186,11 @@ class Search:
         return fit if best is fit else self.simplified(best, but)
 
     def _simpler(self, fit: Fit, kept: tuple[Change, ...]) -> list[Fit]:
-        """Fits of some changes of a fit with another one, simpler than the fit.
+        """Fits, simpler than a given one, of the changes that are kept and one other change.
 
-        The other change is promising in the first of the growing data that those kept do not
-        explain as well as the fit. From there on χ² is not significantly larger than that of the
-        fit.
+        The other change is chosen by the first of the data in `Data.growing` that the kept changes
+        explain less well than the given fit: it must be promising there. In these data and all
+        later ones χ² must not be significantly larger than that of the given fit.
         """
         room = self._complexity(fit.changes) - self._complexity(kept)
         others = [one for one in self.changes if one not in fit.changes]
@@ -207,10 +209,11 @@ class Search:
         return fits or []
 
     def _promising(self, alone: Fit, fit: Fit, others: Sequence[Change]) -> Iterator[Fit]:
-        """Fits with one of some other changes besides those of `alone`.
+        """Fits of the changes of `alone` together with each promising one of some other changes.
 
-        If linearised it leaves no more than the fraction `PROMISING` of what they leave beyond
-        another fit. Their parameters start from those of either fit.
+        A change is promising if, linearised, it reduces the excess of the mean square of `alone`
+        over that of `fit` to the fraction `PROMISING`² or less. The parameters start from those of
+        `alone` or of `fit`, from which that reduction is larger.
         """
         enough = fit.mean_square + PROMISING**2 * (alone.mean_square - fit.mean_square)
         starts = alone, fit
@@ -222,40 +225,40 @@ class Search:
                 yield Trial(self.data, (*alone.changes, other)).fit(start)
 
     def _complexity(self, changes: Sequence[Change]) -> int:
-        """How many parameters changes have; the choice of an unusual one counts as one more."""
+        """The number of parameters of changes, plus one for each change that is not in `usual`."""
         return sum(len(one.scales) + (one not in self.usual) for one in changes)
 
     def _information(self, fit: Fit) -> float:
-        """The Bayesian information criterion of a fit, but for a constant."""
+        """The Bayesian information criterion of a fit, up to a constant; the least is best."""
         count = fit.residuals.size / self.data.correlated
         decrease = self.data.chi2_decrease(self.unchanged.residuals, fit.residuals)
         return self._complexity(fit.changes) * float(np.log(count)) - decrease
 
     def score(self, fit: Fit) -> float:
-        """How much its changes lower χ², less what chance makes each of them lower it."""
+        """The decrease of χ² by the changes of a fit, less that by chance, less the prior's χ²."""
         decrease = self.data.chi2_decrease(self.unchanged.residuals, fit.residuals)
         of_prior = float(np.sum(self.data.prior_residuals(fit.hypothesis) ** 2))
         return decrease - self._penalty(fit.changes) - of_prior
 
     def _penalty(self, changes: Sequence[Change]) -> float:
-        """The largest decrease of χ² that so many changes make by chance alone."""
+        """The largest decrease of χ² that these changes make by chance alone, added up."""
         return sum(self._critical(len(change.scales)) for change in changes)
 
     def _pairs(self) -> list[Fit]:
         """Fits of pairs of changes both of which are needed.
 
-        Of the pairs with as many parameters the best linearised ones are fitted.
+        Among pairs with equal numbers of parameters, only the best when linearised are fitted.
         """
         alone, best = np.array([one.mean_square for one in self.linear]), []
         for both, pairs in of_pairs(self.linear, self.unchanged.residuals):
             needed = np.flatnonzero(both <= PROMISING**2 * alone[pairs].min(axis=1))
             best += [pairs[k] for k in needed[np.argsort(both[needed], kind="stable")[:PAIRS]]]
-        # Of those alike the first is named.
+        # Of equally good pairs the first is named.
         changes = [(self.changes[i], self.changes[j]) for i, j in sorted(map(tuple, best))]
         return [Trial(self.data, both).fit() for both in changes]
 
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
-        """The fit with the fewest parameters that explains the data, unless more explain far more.
+        """The fit with the fewest parameters that explains the data, unless another is far better.
 
         Returns
         -------
@@ -264,7 +267,7 @@ class Search:
         count = self.unchanged.residuals.size
         enough = max(largest_of_noise(count), self.part**2 * self.unchanged.mean_square)
         best = self.unchanged
-        # Of those alike the first is named.
+        # Of fits of the same rank the first is named.
         for fit in sorted(fits, key=lambda fit: fit.rank):
             explains = fit.mean_square <= enough and self.improvement(self.unchanged, fit) > 0
             explains = explains and fit.is_physical and self._has_few_parameters(fit)
@@ -273,32 +276,38 @@ class Search:
         return None if best is self.unchanged else best
 
     def _is_closer(self, fit: Fit, best: Fit) -> bool:
-        """Whether a fit of as few parameters leaves far less than the best, which leaves some."""
+        """Whether a fit of the same rank has far smaller residuals than the best fit so far.
+
+        It is false if the residuals of the best fit are as small as rounding.
+        """
         is_more = best.mean_square > SAME**2 * self.unchanged.mean_square
         is_far_less = fit.mean_square < LEFT**2 * best.mean_square
         return fit.rank == best.rank and is_more and is_far_less
 
     def _has_few_parameters(self, fit: Fit) -> bool:
-        """Whether a fit has no more parameters than it may have, given what it leaves."""
+        """Whether a fit has at most as many parameters as fits with such residuals may have."""
         if self.most is None or fit.rank <= self.most:
             return True
         return fit.rank <= MOST_OF_ALL and not self.exceed_noise(fit.residuals)
 
     def improvement(self, before: Fit, after: Fit) -> float:
-        """How much further parameters lower χ², less what chance makes them lower it."""
+        """The decrease of χ² by the further parameters of a second fit, less that by chance."""
         decrease = self.data.chi2_decrease(before.residuals, after.residuals)
         return decrease - self._critical(after.rank - before.rank)
 
     def _critical(self, parameters: int) -> float:
-        """The decrease of χ² by so many parameters that is significant among all changes."""
+        """The decrease of χ² from which on a number of further parameters are significant.
+
+        As many changes are tried as `changes` has (Bonferroni).
+        """
         return float(chdtri(max(1, parameters), SIGNIFICANCE / len(self.changes)))
 
 
 def largest_of_noise(count: int) -> float:
-    """The largest mean square that noise makes of so many residuals, at the significance level."""
+    """The largest mean square of a number of residuals of noise, at the significance level."""
     return float(chdtri(count, SIGNIFICANCE)) / count
 
 
 def _without(changes: tuple[Change, ...], count: int) -> list[tuple[Change, ...]]:
-    """All subsets of changes with so many fewer."""
+    """All subsets of changes in which `count` of them are left out; none if there are fewer."""
     return [*combinations(changes, len(changes) - count)] if len(changes) >= count else []

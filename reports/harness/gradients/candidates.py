@@ -1,4 +1,4 @@
-"""Jacobians that common mistakes would produce instead of the exact one, by name of the mistake.
+"""Jacobians that common mistakes would give in place of the exact one, by name of the mistake.
 
 The effect of leaving a term out is computed to first order in the timestep: the remainder vanishes
 with the timestep. The state x is attitude and ω in the chart, so that the derivative of dx/dt is a
@@ -71,7 +71,7 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The errors that `secant` returns for each of `POWERS`; the key is `two_sided`."""
+        """The errors that `secant` returns for each of `POWERS`, by `two_sided`."""
         return {
             two_sided: [self.secant(power, two_sided) for power in POWERS]
             for two_sided in (False, True)
@@ -179,7 +179,7 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
-    """Return the exact attitude and ω after each of J spans of time from each of K states."""
+    """Return the exact attitude, (4,), and ω, rad/s, (3,), after J spans of time from K states."""
     count = exact.count
     rows = np.tile(np.arange(count), len(exact.spans))
     flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.spans, count))
@@ -309,11 +309,12 @@ class _Rates:
         torque: FloatArray,
         weighed: tuple[FloatArray, FloatArray],
     ) -> FloatArray:
-        """Return the torque with a table's reaction, body axes, N m, (3,).
+        """Return the torque with the reaction of the table that a body stands on, N m, (3,).
 
         Parameters
         ----------
-        torque : the other torques
+        R, omega : attitude, (3, 3), and ω, rad/s, body axes
+        torque : the other torques, body axes, N m, (3,)
         weighed : attitude and ω of the state whose weight loads the table; another state if the
             term of gravity is kept constant
         """

@@ -63,7 +63,8 @@ class GradientRow:
     ----------
     derivative : the engine's name for the derivative, or `OURS`
     judged : the verdict; failed or unsupported if nothing was computed
-    costs : CPU times of the derivative, each divided by that of the plain steps that it covers
+    costs : CPU times of the derivative, each divided by that of the plain steps that it covers; one
+        for each repeat
     seconds : wall time until the row was made, including compilation
     timestep : timestep of the window's steps, s
     window : gradients along a run
@@ -84,7 +85,7 @@ class GradientRow:
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """The Jacobians that those computed by an engine are compared with.
+    """The Jacobians that an engine's Jacobians are compared with.
 
     Attributes
     ----------
@@ -142,18 +143,18 @@ class MethodStudy:
 
     @cached_property
     def _single(self) -> _Target:
-        """The Jacobians over single steps, with which an engine's are compared."""
+        """The Jacobians over single steps, with which an engine's Jacobians are compared."""
         return self._target(1)
 
     @cached_property
     def _many(self) -> _Target:
-        """The Jacobians over `MANY` steps, with which an engine's are compared."""
+        """The Jacobians over `MANY` steps, with which an engine's Jacobians are compared."""
         return self._target(MANY)
 
     def _target(self, steps: int) -> _Target:
-        """Return the Jacobians over several steps, with which an engine's are compared.
+        """Return the Jacobians over several steps, with which an engine's Jacobians are compared.
 
-        Only timesteps are used of which `steps` together are no longer than the longest timestep.
+        Only timesteps are used with which `steps` steps take no longer than the longest timestep.
 
         Parameters
         ----------
@@ -210,10 +211,10 @@ class MethodStudy:
 
         Parameters
         ----------
-        target : the Jacobians that they are compared with
+        target : the Jacobians that the engine's Jacobians are compared with
         found : the engine's Jacobians, (J, K, 6, 6)
-        is_step : whether they differentiate steps, so that they are compared with the engine's own
-            steps
+        is_step : whether these differentiate steps, so that they are compared with the engine's own
+            steps, too
         name : the engine's name for the derivative
         """
         epsilon = self.sessions.first.derivatives()[name].epsilon
@@ -224,7 +225,7 @@ class MethodStudy:
         return beside_own(one, target.exact, found, target.own, noise)
 
     def _own_row(self, target: _Target) -> GradientRow:
-        """Return the row of central differences of the engine's own steps."""
+        """Return the row of the derivative by central differences of the engine's own steps."""
         exact, own = target.exact, target.own
         noise = noise_of(self.units, target.timesteps, self.at.condition, 0.0)
         one = judged(exact, own.jacobians, noise + (own.known_to / exact.spans)[:, None])
@@ -309,7 +310,7 @@ class MethodStudy:
         Parameters
         ----------
         name : the engine's name for the derivative
-        steps : number of steps that it covers
+        steps : number of steps that the derivative covers
         """
         with self.sessions.at(self.at.states.rows(0), float(self.at.timesteps[-1])) as session:
             session.advance(TIMED)

@@ -89,8 +89,11 @@ def own_jacobian(
 ) -> FloatArray:
     """Return Jacobians of an engine's own steps from a state, by central differences, (n, 6, 6).
 
+    They are in rad and rad/s.
+
     Parameters
     ----------
+    timestep : s
     counts : numbers of steps, ascending, one for each Jacobian, (n,)
     share : size of the change of the state, relative to `Units.change`, which is best if the
         derivatives are about one in units
@@ -198,7 +201,8 @@ def settled_jacobians(
 
     Parameters
     ----------
-    settling : two numbers of earlier steps; the difference of the Jacobians bounds their error
+    settling : two numbers of earlier steps, ascending; the Jacobians with the second are returned,
+        and their difference from those with the first bounds their error
     """
     found = np.empty((len(settling), len(timesteps), len(states.omega_body), CHART, CHART))
     exact = np.empty(found.shape[1:])

@@ -42,7 +42,7 @@ def gradient_by(
     timestep: float | None = None,
     window: float | None = None,
 ) -> GradientRow:
-    """Judge one derivative in another process, which may crash or time out, and return its row.
+    """Judge one derivative in another process, and return its row; `failed` if that process dies.
 
     Parameters
     ----------

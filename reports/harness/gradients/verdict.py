@@ -28,9 +28,9 @@ class Judged:
     Attributes
     ----------
     verdict : converges, disagrees, unresolved, unsupported or failed
-    reason : why, in words; empty if it converges and is the derivative of the engine's step
-    order : order with which it approaches the motion's derivative as timesteps vanish
-    limit : size of the limit of its gain as timesteps vanish, relative to the fastest rate
+    reason : why, in words; empty if the derivative converges and is that of the engine's step
+    order : order with which the derivative approaches the exact motion's as timesteps vanish
+    limit : size of the limit of the gain as timesteps vanish, relative to the fastest rate
     known_to : standard error of that limit, relative to the fastest rate
     off_own : distance from finite differences of the engine's own steps, relative; None if the
         derivative is not of a step, is not finite, or is these differences
@@ -47,7 +47,7 @@ class Judged:
 
 
 def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
-    """Return the standard deviation of a derivative's gain, in units, 1/s, by columns, (J, 6).
+    """Return the standard deviation of a derivative's gain, in units, 1/s, by column, (J, 6).
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     ----------
     one : the verdict so far
     found : the Jacobians that the engine computes, (J, K, 6, 6)
-    own : the Jacobians that finite differences of its steps give
+    own : the Jacobians that finite differences of the engine's steps give
     noise : standard deviation of the gains, as `noise_of` returns it, 1/s, (J, 6)
     """
     units = exact.units

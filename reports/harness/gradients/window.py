@@ -88,13 +88,15 @@ def own_over(
     counts: Sequence[int],
     conditioning: FloatArray,
 ) -> list[FloatArray]:
-    """Return Jacobians, in units, of an engine's runs of given numbers of steps, by differences.
+    """Return Jacobians of an engine's runs of given numbers of steps, in units, (6, 6) each.
 
-    The changes ε of the start are chosen for each run so that the error is least: the error by
-    rounding grows as 1/ε, the truncation error of fourth order as (ε conditioning)⁴.
+    They are central differences. The changes ε of the start are chosen for each run so that the
+    error is least: the error by rounding grows as 1/ε, the truncation error of fourth order as
+    (ε conditioning)⁴.
 
     Parameters
     ----------
+    start : the state in which all runs begin
     timestep : s
     counts : numbers of steps, (n,)
     conditioning : factors by which the motion multiplies changes of its start, (n,)
@@ -109,13 +111,17 @@ def own_over(
 def run_along(
     session: Session, counts: Sequence[int], jacobian: Callable[[Session], FloatArray] | None
 ) -> tuple[list[State], list[FloatArray]]:
-    """Run a session; return the states after given numbers of steps, and all steps' Jacobians.
+    """Run a session, and compute the Jacobian of each step.
 
     Parameters
     ----------
     counts : numbers of steps, ascending
     jacobian : returns the Jacobian of a session's next step, in units, (6, 6); None if no Jacobians
         are wanted
+
+    Returns
+    -------
+    The states after the given numbers of steps, and the Jacobians of all steps
     """
     states, each = [], []
     for step in range(counts[-1]):
@@ -127,7 +133,12 @@ def run_along(
 
 
 def chained(each: Iterable[FloatArray]) -> list[FloatArray]:
-    """Return the products of Jacobians: over no step, the first step, two steps, and so on."""
+    """Return the Jacobians over no step, the first step, the first two steps, and so on, (6, 6).
+
+    Parameters
+    ----------
+    each : the Jacobian of every step, in units, (6, 6) each
+    """
     found: list[FloatArray] = [np.eye(CHART)]
     with np.errstate(over="ignore", invalid="ignore"):
         for one in each:

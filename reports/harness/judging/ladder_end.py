@@ -31,7 +31,7 @@ def is_down(records: Records) -> bool:
 
 
 def cut_short(records: Records) -> bool:
-    """Whether finer rungs would have been run if the step limit allowed them."""
+    """Whether the ladder ended only at the step limit, so that finer rungs were not run."""
     return records.has_ladder and not (records.rows and is_down(records))
 
 

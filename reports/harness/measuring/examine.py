@@ -175,7 +175,7 @@ class _Examination:
         return self._as_if_biased(look) if is_single and look.tail < LEVEL else look
 
     def _hinges_may_explain(self, look: Look) -> bool:
-        """Whether hinges that give way may explain a fault.
+        """Whether hinges that give way, as soft constraints do, may explain a fault.
 
         They may if the gains tend to a limit, rather than leap, and none of the timesteps has been
         left out.
@@ -195,7 +195,7 @@ class _Examination:
     def _take_after_settling(self, settle: int, repeats: int) -> Look:
         """Take steps after a constraint has settled for `settle` steps.
 
-        By how much a few more steps of settling change the gains is the noise of the constraint's
+        The change of the gains by a few more steps of settling counts as noise of the constraint's
         solver, up to `CONSISTENT` of the largest terms: the residual of a solver is not larger. In
         double precision the longest timesteps are left out, as the body turns by many radians while
         a constraint settles.
@@ -273,7 +273,7 @@ class _Examination:
 
 
 def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
-    """Whether a constraint gives way, so that it must settle before steps are judged.
+    """Whether a constraint is soft and gives way, so that it must settle before steps are judged.
 
     If it does, the distance of com or velocity from the values that the constraint demands depends
     on the timestep. If instead the engine holds another body, or misreads it, that distance is the
@@ -294,9 +294,9 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
 def gives_in(look: Look, settled: Look) -> bool:
     """Whether hinges give way, so that they must settle before steps are judged.
 
-    How far a hinge gives way cannot be read from an engine. Where a hinge does, the limits of the
-    quantity with the smallest tail shrink to less than half once the hinge has settled; the limits
-    that a fault makes remain.
+    How far a hinge gives way cannot be read from an engine. If it does, the limits of the quantity
+    with the smallest tail shrink to less than half once the hinge has settled; limits that a fault
+    makes remain.
 
     Parameters
     ----------

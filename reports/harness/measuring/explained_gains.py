@@ -49,7 +49,10 @@ class Gains(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """The largest error of each limit: by noise, and a size too small to count, (K, 4)."""
+        """The error allowed to each limit, (K, 4).
+
+        It is `noise`, plus the fraction `RANK` of the largest limit of that quantity.
+        """
         largest = np.linalg.norm(self.excess, axis=2).max(axis=0)
         return np.asarray(np.maximum(self.noise + RANK * largest, NO_SIZE))
 
@@ -59,7 +62,10 @@ class Gains(Data):
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:
-        """The rates of change of the quantities by a hypothesis, means of repeats, (K, 4, 3)."""
+        """The rates of change of the quantities if a hypothesis holds, (K, 4, 3).
+
+        They are in the units of `excess`, and means of repeats.
+        """
         e, scenario = hypothesis.equations, self.equations.scenario
         R_world_body = matrices(self.states.q_world_body_wxyz)
         omega = self.states.omega_body @ inverse(hypothesis.read).T
@@ -98,7 +104,7 @@ class Gains(Data):
 
 
 def explanations(gains: Gains) -> tuple[Explanation, ...]:
-    """The change of the equations, or pair of changes, that explains the gains; empty if none."""
+    """The change of the equations, or the pair of changes, that explains gains; empty if none."""
     candidates = [*_readings(), *changes(gains.equations.scenario), *_braking()]
     found = Search(gains, candidates).one_or_two()
     return tuple(map(found.explanation, found.changes)) if found else ()

@@ -40,9 +40,10 @@ class GainSeries:
     Attributes
     ----------
     order : the order of the series
-    tails : the probability of an innovation as large as that of each gain, (J, K); 1 where a gain
-        is not predicted
-    limit_tails : the probability of a limit as far from zero, if it is zero, (K,)
+    tails : the probability of an innovation at least as large as that of each gain, (J, K); 1 where
+        a gain is not predicted
+    limit_tails : the probability of an estimate at least as far from zero if the limit is zero,
+        (K,)
     limit, limit_error : the limit of each state's gains at vanishing timesteps, (K, 3), and its
         standard error, (K,), in the unit of the gains
     predicted, predicted_to : the prediction of each gain from the gains at longer timesteps,
@@ -69,12 +70,12 @@ class GainSeries:
 
     @property
     def least_tails(self) -> FloatArray:
-        """The smallest tail of each state, (K,)."""
+        """The smallest tail of each state, of its gains and its limit, (K,)."""
         return np.asarray(np.minimum(self.tails.min(axis=0), self.limit_tails))
 
     @property
     def tail(self) -> float:
-        """The tail of the whole test: of all gains, all limits, and the pooled limits."""
+        """The tail of all tests together (Bonferroni): of gains, limits, and the pooled limits."""
         return float(min(1.0, 2 * min(self.least_tails.min() * self.tests, self.pooled_tail)))
 
     @property
@@ -215,9 +216,9 @@ def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -
 
 
 def _lone_deviation(measured: Measured) -> tuple[int, float]:
-    """The timestep whose gains, if they alone may have any value, let the model fit best.
+    """The timestep without whose gains the model fits best.
 
-    To admit any value, the noise at that timestep is raised to the size of its gains.
+    These gains are left out in effect, by raising their noise to their own size.
 
     Returns
     -------

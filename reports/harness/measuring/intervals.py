@@ -49,7 +49,7 @@ class Intervals:
 
     @staticmethod
     def of(sessions: Sessions, run: MadeRun) -> "Intervals":
-        """The intervals of a whole run, of random lengths."""
+        """Divide a whole run into intervals of random lengths."""
         edges = _edges(len(run.motion.t), sessions.first.can_restart)
         steps = np.diff(run.rung.sample_steps[edges])
         chance = np.random.default_rng(len(edges))
@@ -86,7 +86,7 @@ class Intervals:
         return stacked(ends)
 
     def parts_of(self, kept: Sequence[int] | NDArray[np.intp]) -> NDArray[np.int64]:
-        """Numbers of steps of k intervals before and after the restart, (k, 2)."""
+        """Numbers of steps before and after the restart in each of k given intervals, (k, 2)."""
         first = self.parts[kept]
         return np.stack([first, self.steps[kept] - first], axis=1)
 
@@ -203,8 +203,8 @@ class Replay:
     ----------
     evidence : the differences as they are stored
     worst : the indices of the K intervals that differ the most
-    off : differences of the states in which these end from the run, as `state_differences`,
-        (K, 5, 3)
+    off : differences between the final states of these K replays and the run's, as
+        `state_differences`, (K, 5, 3)
     passage : the states that all intervals pass through
     """
 
@@ -232,7 +232,12 @@ def restarted(sessions: Sessions, state: State, timestep: float, counts: Iterabl
 
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
-    """A run of the first `DECIDED_STEPS` steps, for a scene whose window takes too many steps."""
+    """Make a run of `DECIDED_STEPS` steps, for a scene whose whole window takes too many steps.
+
+    Parameters
+    ----------
+    at : its first state and one of its shorter timesteps are used
+    """
     timestep, strides = float(at.timesteps[FINER]), [0, *[DECIDED_STEPS // INTERVALS] * INTERVALS]
     snapshots: list[object] = []
     with sessions.at(at.states.rows(0), timestep) as session:

@@ -82,7 +82,7 @@ class Look:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """The largest of the terms whose sum a gain is, in the units of gains, (Q,)."""
+        """The sizes of the quantities' rates of change, as `largest_terms` returns them, (Q,)."""
         return largest_terms(self.equations, self.steps)
 
     @property
@@ -91,8 +91,8 @@ class Look:
 
         Returns
         -------
-        The largest of all states and quantities, relative to the largest terms, and relative to the
-        weakest effect
+        The largest value of all states and quantities, relative to `sizes`, and the largest
+        relative to the weakest effect in the quantity
         """
         sizes = (np.maximum(one.limit_error, norms(one.limit)) for one in self.series)
         errors = np.array([size.max() for size in sizes])

@@ -31,8 +31,8 @@ def explained_by_memory(replay: Replay, settled: int) -> ReplayEvidence:
     are checked:
 
     - At the run's timestep, the difference of these two must agree with the difference of the run
-      from its replay, to half of the latter. If that is no larger than the residual of an iterative
-      solver, only the sizes of the two differences are compared.
+      from its replay, to half of the latter. If the latter is no larger than the residual of an
+      iterative solver, only the sizes of the two differences are compared.
     - Over a few steps, at shorter and shorter timesteps, the difference must vanish, as any gain
       must. This is not checked if steps were judged after a constraint had settled, as the gains of
       these steps contain the effect of impulses of earlier steps.
@@ -61,13 +61,14 @@ def explained_by_memory(replay: Replay, settled: int) -> ReplayEvidence:
 
 
 def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
-    """The last samples of the run that are `steps` steps or more before each worst interval.
+    """The last sample of the run at least `steps` steps before each of the K worst intervals.
 
-    Near the start of the run, the first sample is used.
+    These are the intervals in which the run differs the most from its replay. Near the start of the
+    run, the first sample is used.
 
     Returns
     -------
-    The number of steps from each sample to its interval, (K,), and the states at the samples
+    The number of steps from each sample to its interval, (K,), and the K states at the samples
     """
     run, edges = replay.intervals.run, replay.intervals.edges[replay.worst]
     taken = run.rung.sample_steps
@@ -76,10 +77,11 @@ def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
 
 
 def _order_and_tail(replay: Replay, declared: int) -> tuple[int, float]:
-    """The order with which the effect of a memory vanishes, and the tail of its gains.
+    """The order with which the effect of a restart vanishes, and the tail of its gains.
 
-    The tail is 0 if no effect is seen above noise. The order is the declared order if only the
-    longest timesteps show an effect, as these are too few to estimate an order.
+    The gains are the change of the final state by two restarts, divided by the timestep. The tail
+    is 0 if no effect is seen above noise. The order is the declared order if only the longest
+    timesteps show an effect, as these are too few to estimate an order.
     """
     starts, sessions = replay.intervals.starts.rows(replay.worst), replay.intervals.sessions
     timesteps = np.array([replay.evidence.timestep / 2.0**j for j in range(HALVINGS)])
@@ -108,9 +110,9 @@ def _effect_of_restarts(
     before: NDArray[np.int64],
     parts: NDArray[np.int64],
 ) -> FloatArray:
-    """The change, by two restarts, of the states in which K runs of some steps end, (K, 5, 3).
+    """How far two restarts change the states in which K short runs end, (K, 5, 3).
 
-    The quantities are those of `state_differences`.
+    The quantities and their units are those of `state_differences`.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ NO_SIZE = 1 / LARGEST
 
 
 def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
-    """The relative change of a body's angular acceleration by rounding of its moments.
+    """The relative change of a body's angular acceleration by rounding of its moments of inertia.
 
     Parameters
     ----------
@@ -103,15 +103,19 @@ def noise_of(
 
 
 def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
-    """The noise of gains if each step changes the state by `NOISE`, relative, (J, 1, Q).
+    """The noise of gains if each step has a relative error of `NOISE`, (J, 1, Q).
 
-    It is the largest of all states, in the units of the gains.
+    It is the largest noise of all states, in the units of the gains.
     """
     return np.asarray(NOISE * roundings(equations, steps).max(axis=1, keepdims=True))
 
 
 def largest_terms(equations: Equations, steps: Steps) -> FloatArray:
-    """The largest of the terms whose sum the gain of a step is, in the units of gains, (Q,)."""
+    """The size of each quantity's rate of change, which gains are compared with, (Q,).
+
+    It is the sum of the sizes of the rate's terms, however they cancel, and the largest of all
+    states, in the units of gains. On a pivot it is the size of velocity or com itself.
+    """
     scenario, reach, states = equations.scenario, equations.reach, steps.before
     speeds = norms(states.omega_body)
     g = float(np.linalg.norm(scenario.gravity_world))
@@ -136,7 +140,7 @@ def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
 
     The size of an effect is the largest size of its term in any state, in the units of gains.
     Torques of the same kind count as one effect. An effect is ignored if `SEEN` times its size is
-    less than `NOISE` times the largest terms, as it could not be told from noise that is no fault.
+    less than `NOISE` times `largest_terms`, as it could not be told from noise that is no fault.
     """
     negligible = NOISE / SEEN * largest_terms(equations, steps)
     torques = _torques(equations, steps.before).max(axis=0)
@@ -162,7 +166,7 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """The largest derivative of each gain by a relative change of the state read, (J, K, Q)."""
+    """The largest change of each gain per relative error of the state read, (J, K, Q)."""
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
     linear_speed = norms(states.velocity_world) + equations.reach * speeds

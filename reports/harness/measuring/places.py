@@ -32,8 +32,9 @@ class Places:
     states : K states
     times : times of the states, s; nan where a state is not on the motion, (K,)
     timesteps : s, each half of the one before, (J,)
-    condition : the factor by which the relative error of rounding grows in the angular
-        acceleration: by the tensor of inertia about the fixed point, by flight, and by rotors
+    condition : the factor by which a relative error of rounding grows in the angular acceleration:
+        the sum of the condition number of the tensor of inertia about the fixed point and of the
+        contributions of flight and of rotors
     are_apart : whether the states are so far apart that their gains are independent
     gives_way : whether it is known that a constraint must settle before steps are judged
     """
@@ -58,12 +59,12 @@ class Places:
         return stacked(copies)
 
     def thinned(self, most: int) -> "Places":
-        """The same with at most `most` of the states, evenly chosen."""
+        """These places with at most `most` of the states, evenly chosen."""
         kept = np.unique(np.linspace(0, len(self.times) - 1, most).astype(int))
         return replace(self, states=self.states.rows(kept), times=self.times[kept])
 
     def milder(self) -> "Places":
-        """The same with shorter timesteps, and only with states on the motion.
+        """These places with shorter timesteps, and only with states that are on the motion.
 
         They are used if a method refuses some of the original states or timesteps.
         """
@@ -101,7 +102,7 @@ def states_of(motion: Trajectory) -> State:
 
 
 def _chosen_samples(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
-    """Indices of samples over the window, and of those with extreme ω, tilt or speed."""
+    """Indices of samples spread over the window, and of those with extreme ω, tilt or speed."""
     spread = np.linspace(0, len(motion.t) - 1, SPREAD).astype(int)
     omega = motion.omega_body
     down = scenario.gravity_world if scenario.gravity_world.any() else np.array([0.0, 0.0, 1.0])
@@ -119,7 +120,7 @@ def _chosen_samples(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
 def changed_at_random(
     scenario: Scenario, states: State, size: float, chance: np.random.Generator
 ) -> State:
-    """States that are changed at random, by the same relative change in all of them.
+    """The given states, all with the same random relative change.
 
     A state stays as it is if the constraint's force would not be in its allowed direction after
     the change.
@@ -143,15 +144,16 @@ def changed_at_random(
 
 
 def _changed_by(vectors: FloatArray, change: FloatArray) -> FloatArray:
-    """Vectors, (n, 3), each changed by its norm times a relative change, (3,)."""
+    """The given vectors, (n, 3), with the norm of each times a relative change, (3,), added."""
     return np.asarray(vectors + norms(vectors)[:, None] * change)
 
 
 def _condition_of_flight(scenario: Scenario) -> float:
-    """The part of the condition from a com away from the origin of a body without a pivot.
+    """The contribution of flight to `Places.condition`: of a com away from the body's origin.
 
     Engines that solve for rotation and translation together divide by the difference of the moment
-    about the origin and m arm², with arm the distance of the com from the origin.
+    about the origin and m arm², with arm the distance of the com from the origin. It is 0 on a
+    pivot.
     """
     if scenario.constraint.is_pivot:
         return 0.0
@@ -160,7 +162,7 @@ def _condition_of_flight(scenario: Scenario) -> float:
 
 
 def _condition_of_rotors(scenario: Scenario, motion: Trajectory) -> float:
-    """The part of the condition from rotors.
+    """The contribution of rotors to `Places.condition`.
 
     It is the ratio of the torques that cancel in coordinates that turn with the rotors to the
     gyroscopic torque.

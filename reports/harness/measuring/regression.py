@@ -115,7 +115,7 @@ class Regression:
 
     Attributes
     ----------
-    inverse_radii : of convergence, in units of the inverse of the longest timestep, (R,)
+    inverse_radii : the inverse radii of convergence, in units of 1 / longest timestep, (R,)
     noise : standard deviation of the noise added to the series at each timestep, (R, J); beyond the
         radius of convergence as large as the largest gain
     basis : the powers of the timestep, zero beyond the radius, (R, J, TERMS)
@@ -197,7 +197,10 @@ class Regression:
 
     @cached_property
     def evidence_with_constant(self) -> FloatArray:
-        """The same likelihood if a constant, up to the size of any gain, is added, (R A, K)."""
+        """The logarithm of the likelihood of gains for a series plus a constant, (R A, K).
+
+        The constant has a flat prior up to the size of the largest gain.
+        """
         constants, error = self.constants
         gained = ((constants / error[:, None, None]) ** 2).sum(axis=1) / 2
         return np.asarray(
@@ -228,7 +231,13 @@ class Regression:
 
     @cached_property
     def limit(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The limits, (K, 3), their standard errors, and the tails if they are zero, (K,) each."""
+        """The limits of the gains at vanishing timesteps, and tests of whether they are zero.
+
+        Returns
+        -------
+        The limits, (K, 3), and their standard errors, (K,), in the unit of the gains, and the tails
+        of these tests, (K,)
+        """
         (constants, error), units = self.constants, self.measured.units
         weights = _normalised(self.evidence_with_constant + self._log_prior)[0]
         limit = (weights[:, None] * constants).sum(axis=0)
@@ -253,8 +262,8 @@ class Regression:
 
         Returns
         -------
-        The probability of an innovation as large, (J, K), the predictions, (J, K, 3), and their
-        standard deviations, (J, K)
+        The probability of an innovation at least as large, (J, K), the predictions, (J, K, 3), and
+        their standard deviations, (J, K)
         """
         J, _, K = self.measured.gains.shape
         tails, means, errors = np.ones((J, K)), np.zeros((J, 3, K)), np.zeros((J, K))

@@ -77,7 +77,12 @@ def examine_runs(
 
 
 def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
-    """Run all intervals of a run again, and compare the differences with their noise."""
+    """Run all intervals of a run again, and compare the differences with their noise.
+
+    Parameters
+    ----------
+    condition : as `Places.condition`
+    """
     intervals, reach = Intervals.of(sessions, run), Equations(sessions.scenario).reach
     passage = intervals.all_again()
     off = state_differences(passage.ends, intervals.ends, reach)
@@ -119,12 +124,12 @@ def _evidence(
     worst: NDArray[np.intp],
     spread: FloatArray,
 ) -> ReplayEvidence:
-    """The evidence from n intervals whose differences from the run are given.
+    """The evidence from the replays of n intervals, given their differences from the run.
 
     Parameters
     ----------
-    squares : the sum of squares of the differences of an interval, in units of their noise, (n,)
-    sizes : the root of the sum of squares of the differences, rad or relative, (n,)
+    squares : for each interval, χ² of the differences, in units of their noise, (n,)
+    sizes : for each interval, the norm of all differences, rad or relative, (n,)
     worst : the indices of the K intervals that were run again twice
     spread : the difference of these two replays from each other; 0 if it is within noise, (K,)
     """
@@ -142,10 +147,11 @@ def _evidence(
 
 
 def _noise(intervals: Intervals, condition: float) -> FloatArray:
-    """The noise of the differences of n intervals, from the sources of `noise.py`, (n, 5).
+    """The noise of the differences between replay and run at the ends of n intervals, (n, 5).
 
-    It is the standard deviation of each quantity of `state_differences`. Most rounding errors add
-    up as a random walk; rounding errors of a torque or force that hardly changes add up linearly.
+    It is the standard deviation of each quantity of `state_differences`, from the sources listed in
+    `noise.py`. Most rounding errors add up as a random walk; those of a torque or force that hardly
+    changes add up linearly.
 
     Parameters
     ----------

@@ -51,14 +51,14 @@ def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) ->
 
 
 def kind_of(look: Look) -> FaultKind:
-    """The way in which the gains with the smallest tail differ from those that are allowed."""
+    """The kind of fault of the gains with the smallest tail: how they fail to vanish."""
     return _shape(look, *_worst(look))[0]
 
 
 def _order_shown(look: Look, declared: int) -> int:
-    """The lower of the orders of attitude's and I ω's gains, of those well above noise.
+    """The lower of the fitted orders of the gains in attitude and in I ω.
 
-    It is the declared order if neither is well above noise.
+    Gains that are not well above noise are ignored. It is the declared order if both are.
     """
     shown = [
         series.order
@@ -99,8 +99,8 @@ def _changes_below(look: Look) -> float:
 def _worst(look: Look) -> tuple[int, int]:
     """The indices of the quantity and the state with the smallest tail.
 
-    If several tails are equal, as zeros are, a state that leaps in some quantity comes first, as
-    the gains in the other quantities may follow from that leap.
+    Among equal tails, such as zeros, that of a fault of the kind `leap` comes first, as the gains
+    in the other quantities may follow from the leap.
     """
     tails = [one.tail for one in look.series]
     alike = [q for q, tail in enumerate(tails) if tail == min(tails)]

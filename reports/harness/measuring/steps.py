@@ -64,7 +64,8 @@ class Sessions:
 
         Parameters
         ----------
-        settle : number of steps before that step
+        timestep : s
+        settle : number of steps from each state before the first of these snapshots
         """
         count = len(states.omega_body)
         if not self.engine.restarts_batches or count == 1:
@@ -99,7 +100,7 @@ class Sessions:
 def sessions_of(
     engine: Engine, method: Method, scenario: Scenario, timestep: float
 ) -> Iterator[Sessions]:
-    """Sessions of a method on a scene, of which the first has the timestep, s, given."""
+    """Sessions of a method on a scene, of which the first has the given timestep, s."""
     with engine.open(scenario, method, timestep) as first, ExitStack() as at_end:
         sessions = Sessions(engine, method, scenario, first)
         at_end.callback(sessions.close_batches)
@@ -129,7 +130,7 @@ class Steps:
     repeats: int = 1
 
     def by_timestep(self, rows: FloatArray) -> FloatArray:
-        """Values of all rows, (J R K, …), by timestep, repeat and state, (J, R, K, …)."""
+        """The values of all rows, (J R K, …), by timestep, repeat and state, as (J, R, K, …)."""
         return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])
 
 
@@ -142,8 +143,8 @@ def steps_from(
     ----------
     states : R K states
     timesteps : s, (J,)
-    settle : number of steps before that step, in which a constraint settles. They begin in the
-        exact state from which the motion leads to the given state in these steps
+    settle : number of steps before that step, in which a constraint settles. They begin in an
+        earlier exact state, from which the motion leads to the given state in the time they take
     repeats : R
 
     Raises

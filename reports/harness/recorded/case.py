@@ -22,7 +22,7 @@ from .samples.mistakes import FITS
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
-#: Error of a short flow by rounding, in relative distances of the numbers.
+#: Error of a short flow by rounding, in units of the relative resolution of the printed numbers.
 ROUNDINGS = 8.0
 #: Error of ω that is computed from attitudes, in multiples of the error of nearly all samples.
 STENCIL_ERRORS = 4.0
@@ -36,10 +36,10 @@ class Case:
     ----------
     reading : one way to read the recording
     exact, recorded : the exact motion, and the recorded one in that reading, at the reading's times
-    timestep : with which the motion was computed, s; None if unknown
+    timestep : timestep with which the motion was computed, s; None if unknown
     order : order of accuracy of the method that computed it
-    noise : standard deviations of attitude, rad, and ω, rad/s, that have been found in the numbers,
-        by coarse rounding or as noise, (2,)
+    noise : standard deviations of attitude, rad, and ω, rad/s, that have been found so far, by
+        coarse rounding or as noise, (2,); zeros if none
     undone : how many mistakes have been undone in the reading
     is_smooth : whether jumps of the motion have been left out
     is_trial : whether the reading is only tried: the search stops as soon as something stays open
@@ -73,7 +73,12 @@ class Case:
         return self.recorded.derived.reach if self.recorded.derived else 0
 
     def of(self, samples: NDArray[np.intp]) -> "Case | None":
-        """Return the case of some samples, by their indices; None if they are too few."""
+        """Return the case of some of the samples, by their indices.
+
+        Returns
+        -------
+        None if they are too few, or too far apart to compute ω from attitudes
+        """
         if len(samples) <= FEWEST_INTERVALS:
             return None
         try:
@@ -102,12 +107,12 @@ class Case:
         return None
 
     def _of_samples(self, reading: Reading, kept: NDArray[np.intp]) -> "Case":
-        """Return the case of some samples in a reading of them; `kept` are their indices."""
+        """Return the case of the samples with indices `kept`, of which a reading is given."""
         arrays = {name: array[kept] for name, array in self.recording.arrays.items()}
         return self._beside(replace(self.recording, arrays=arrays), reading, self.exact.at(kept))
 
     def _beside(self, recording: Recording, reading: Reading, exact: Trajectory) -> "Case":
-        """Return the case of a recording in a reading, and of the exact motion at its times."""
+        """Return this case with another recording, reading, and exact motion at the same times."""
         recorded = recorded_motion(self.scenario, recording, reading, exact)
         return replace(self, recording=recording, reading=reading, exact=exact, recorded=recorded)
 
@@ -129,7 +134,10 @@ class Case:
 
     @cached_property
     def floor(self) -> FloatArray:
-        """The error of attitude, rad, and ω, rad/s, by rounding, or by deriving ω, (2,)."""
+        """The error of attitude, rad, and ω, rad/s, (2,), by rounding of the recorded numbers.
+
+        If ω was not recorded, it includes the error of computing ω from attitudes.
+        """
         derived, of_attitude = self.recorded.derived, self.rounding[0]
         if derived is None:
             return self.rounding
@@ -141,9 +149,9 @@ class Case:
 
     @cached_property
     def of_intervals(self) -> FloatArray:
-        """Standard deviations of attitude, rad, and ω, rad/s, in an interval, (2,).
+        """Standard deviations of the noise of attitude, rad, and ω, rad/s, in an interval, (2,).
 
-        An interval has the noise of two samples.
+        An interval between two samples has the noise of both.
         """
         least = self.floor if self.stated is None else np.sqrt(2) * self.stated
         return np.asarray(np.maximum(least, np.sqrt(2) * self.noise))
@@ -164,7 +172,7 @@ class Case:
 
         Parameters
         ----------
-        base : the equations that it should obey; the scene's if None
+        base : the equations that the motion should obey; the scene's if None
         """
         of_method = self.timestep, self.order, self.of_intervals
         intervals = intervals_of(self.scenario, self.motion, *of_method, near=FAR)
@@ -175,7 +183,13 @@ class Case:
         return jumps(intervals, self.reach) if intervals else []
 
     def as_it_begins(self) -> "Case | None":
-        """Return the case of a scene that starts as the recording does; None without its ω."""
+        """Return the case of a scene that starts as the recording does.
+
+        Returns
+        -------
+        None if ω was not recorded, if the first sample is later than the scene's start, or if the
+        exact motion from there is not known
+        """
         if not self.has_omega or self.exact.t[0]:
             return None
         first = {f.name: getattr(self.motion, f.name)[0] for f in fields(self.motion)}

@@ -1,4 +1,4 @@
-"""Explains a recorded motion, and says whether it is within the errors allowed to its method."""
+"""Explains a recorded motion, and says whether its errors are those of noise or of its method."""
 
 from dataclasses import dataclass, replace
 
@@ -46,8 +46,8 @@ class Explanation:
 
     Attributes
     ----------
-    explained_by, verdict, is_beyond, made_by, measured : those of `JudgedMotion`
-    is_open : whether some of the difference remains that `explained_by` does not explain
+    explained_by, verdict, is_beyond, made_by, measured : as in `JudgedMotion`
+    is_open : whether `explained_by` leaves some of the difference from the exact motion unexplained
     """
 
     explained_by: tuple[str, ...]
@@ -61,15 +61,18 @@ class Explanation:
 def explained(case: Case) -> Explanation:
     """Return what explains a recorded motion.
 
-    What is found in the recording is undone, and the recording without it is explained in turn; at
-    last by the equations of motion.
+    A mistake that is found in the recording is undone, and the recording without it is explained in
+    turn; a recording without mistakes is explained by the equations of motion.
     """
     found = finding(case)
     return _with_remainder(case, found) if found else _by_equations(case)
 
 
 def _with_remainder(case: Case, found: Finding) -> Explanation:
-    """Return a finding in a recording, with what explains the cases that remain without it."""
+    """Return a finding in a recording, together with what explains the recording without it.
+
+    Of the cases in `Finding.left`, the first that is fully explained is used, or else the last.
+    """
     remainder = None
     for left in found.left:
         remainder = explained(left)
@@ -134,7 +137,7 @@ def _may_be_mistaken(case: Case) -> bool:
 
 
 def _by_its_beginning(case: Case) -> Explanation | None:
-    """Return what explains the beginning of a motion, and until when it does; often None."""
+    """Return what explains the beginning of a motion, and until when; None if nothing does."""
     t = case.motion.t
     for part in PARTS:
         left = case.of(np.arange(len(t) // part)) if len(t) >= part * FEWEST else None
@@ -153,11 +156,11 @@ def _by_its_beginning(case: Case) -> Explanation | None:
 
 
 def _since_exactly(case: Case) -> Explanation | None:
-    """Return since when a motion is not the exact one, and what explains it from then on.
+    """Return from which time on a motion is not the exact one, and what explains it from then on.
 
     Returns
     -------
-    None if no sample is known from which on the motion differs
+    None if there is no such sudden change
     """
     physics = case.physics
     of_method = case.timestep, case.order, case.of_intervals
@@ -183,9 +186,13 @@ def _since_exactly(case: Case) -> Explanation | None:
 
 
 def _beside_a_mistake(case: Case) -> Explanation | None:
-    """Return a mistake in recording, and what explains the motion without it; or None.
+    """Return a mistake in recording, and what explains the motion without it.
 
-    Mistakes are tried without which the attitude follows ω.
+    Only mistakes are tried after whose correction the attitude follows ω.
+
+    Returns
+    -------
+    None if no mistake leaves a motion that can be explained
     """
     for words, reading in followed(case.reading, case.scenario)[:MOST_TRIED]:
         if left := case.read(reading):
@@ -199,9 +206,9 @@ def _beside_a_mistake(case: Case) -> Explanation | None:
 
 
 def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
-    """Return the noise of a motion, and what alternates in it without being taken for noise.
+    """Return the noise of a motion, and what alternates from sample to sample if that is no noise.
 
-    The noise is stated, or was found in the recording's numbers, or is what alternates.
+    The noise is the stated one, or that found in the recording's numbers, or what alternates.
 
     Returns
     -------
@@ -259,8 +266,8 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
 def _of_attitudes(case: Case) -> list[str]:
     """Return the sentences on changes that explain the attitudes alone, and on how ω was read.
 
-    None are returned if the changes that explain the whole motion have no larger residuals than
-    noise, or a method's errors.
+    None are returned if changes that explain the whole motion leave no more than noise or a
+    method's errors.
     """
     physics = case.physics
     found = physics.found or physics.by_change
@@ -293,7 +300,7 @@ def _of_equations(case: Case) -> list[str]:
 
 
 def _of_readings(physics: Physics) -> list[str]:
-    """Return the sentences on how attitude or ω was read otherwise than it is; often none."""
+    """Return the sentences on how attitude or ω was recorded wrongly; often none."""
     if words := attitude_read(physics.motion, physics.exact):
         return words
     is_tried = physics.is_beyond or is_omega_off(physics.motion, physics.exact)
@@ -313,7 +320,12 @@ def _of_measured(fit: Measured, case: Case) -> Explanation:
 
 
 def _verdict(physics: Physics, is_beyond: bool, *, is_explained: bool) -> str:
-    """Return a sentence on whether a motion exceeds its method's error."""
+    """Return a sentence on whether a motion exceeds its method's error.
+
+    Parameters
+    ----------
+    is_explained : whether a mistake or other physics explains the motion
+    """
     if physics.search is None and not is_beyond:
         return "its samples are too few, or too far apart, to say what a method made of them"
     what = f"what a method of order {physics.order} makes of the exact motion"

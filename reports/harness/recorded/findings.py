@@ -1,4 +1,4 @@
-"""What is found in a recording before any equation is changed, and what remains without it."""
+"""Finds mistakes in a recording before any equation is changed, and what remains without them."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -19,15 +19,16 @@ MOST_UNDONE = 2
 
 
 class Finding(NamedTuple):
-    """What is found in a recording.
+    """Something found in a recording, such as a mistake.
 
     Attributes
     ----------
-    words : sentences
-    left : the cases that remain to be explained, in several ways: the first that is explained
-        counts
-    is_beyond : whether the finding exceeds the error of a method; None if the motion's counts
-    is_all : whether the remaining cases have all samples of the recording, and not some alone
+    words : sentences on the finding
+    left : alternative cases without the finding, which remain to be explained: the first that is
+        fully explained counts
+    is_beyond : whether the finding exceeds the error of a method; None if that is to be decided
+        from the motion
+    is_all : whether the cases in `left` have all samples of the recording, and not only some
     """
 
     words: tuple[str, ...]
@@ -45,9 +46,9 @@ def finding(case: Case) -> Finding | None:
 
 
 def _of_numbers(case: Case) -> Finding | None:
-    """Return what numbers show; None if nothing.
+    """Return what the numbers of a recording show by themselves; None if nothing.
 
-    The other samples remain to be explained, or those before all samples that are wrong.
+    The samples that are not wrong remain to be explained, or else those before the first wrong one.
     """
     shown = shown_by_digits(case.numbers)
     if case.noise.any():
@@ -71,7 +72,7 @@ def _of_numbers(case: Case) -> Finding | None:
 
 
 def _odd_samples(case: Case) -> Shown | None:
-    """Return what samples show by themselves, beyond their digits; None if nothing."""
+    """Return what single samples show beside their neighbours; None if nothing."""
     numbers = case.numbers
     found = interpolated(numbers) or lost_sign(case.reading, numbers) or across_signs(numbers)
     if found or numbers.omega is None:
@@ -86,7 +87,7 @@ def _odd_samples(case: Case) -> Shown | None:
 
 
 def _of_mistakes(case: Case) -> Finding | None:
-    """Return mistakes in recording, and the case without them; None if there is no mistake."""
+    """Return mistakes in recording, and the case without them; None if none is found."""
     reading, scenario = case.reading, case.scenario
     if case.undone > MOST_UNDONE:
         return None
@@ -101,7 +102,7 @@ def _of_mistakes(case: Case) -> Finding | None:
 
 
 def _of_times(case: Case) -> Finding | None:
-    """Return the finding that each state is that of another time; or None."""
+    """Return the finding that each state is the exact motion's at another time; None if not so."""
     words = warped(case.scenario, case.motion, case.exact, case.of_intervals)
     return Finding((words,)) if words else None
 
@@ -109,8 +110,8 @@ def _of_times(case: Case) -> Finding | None:
 def _of_jumps(case: Case) -> Finding | None:
     """Return jumps of the motion; None if there is none.
 
-    The samples before the first jump remain to be explained, or all others if the first sample is
-    wrong.
+    The samples before the first jump remain to be explained, or all but the first sample if that
+    one is wrong.
     """
     if case.is_smooth or case.physics.clamps or not (found := case.jumps()):
         return None
@@ -121,5 +122,5 @@ def _of_jumps(case: Case) -> Finding | None:
 
 
 def parts_of(case: Case, *samples: NDArray[np.intp]) -> tuple[Case, ...]:
-    """Return the cases of some samples each, by their indices, where these are enough."""
+    """Return a case for each set of samples, given by their indices, that has enough of them."""
     return tuple(filter(None, map(case.of, samples)))

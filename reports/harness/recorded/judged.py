@@ -41,7 +41,7 @@ class JudgedMotion:
     Attributes
     ----------
     recorded : the motion as it was read
-    solution : the exact motion at its times
+    solution : the exact motion at the recorded times
     timestep : s, if the file or the user states it
     verdict : a sentence on whether the motion is within the error of noise, or of a method with the
         given order and timestep
@@ -49,9 +49,9 @@ class JudgedMotion:
     errors : the largest error of each signal, by name; None for a signal that was not recorded
     series : errors sample by sample
     drifts : the largest change of each conserved quantity, relative
-    defects : defects of the intervals between samples, by signal; empty if they cannot be followed
+    defects : defects of the intervals between samples, by signal; empty if these cannot be followed
     explained_by : mistakes in recording, or other physics, that explain the difference, in words
-    made_by : the known integrator that computed the motion, in words; empty if none did
+    made_by : the known integrator that computed the motion, in words; empty if none is recognised
     measured : if the motion has noise, the fit of the exact motion to all samples
     remarks : sentences on how the file was read
     ignored : headings of the file that have no meaning here
@@ -183,7 +183,7 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
 
 def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
-    """Return the drifts of a recording; without spins, those that need none."""
+    """Return the drifts of a recorded motion; without recorded spins, not that of the rotors."""
     found = drifts(scenario, recorded.trajectory)
     if not recorded.has_spins:
         found.pop("rotors_momentum", None)

@@ -69,7 +69,7 @@ def study_of_files(
 
     Parameters
     ----------
-    motions : each but one computed with half the timestep of another
+    motions : in any order; sorted by timestep, each has half the timestep of the one before
     order : order of accuracy that the method has or claims
 
     Raises
@@ -108,9 +108,9 @@ def _steps(
 
     Parameters
     ----------
-    timesteps : of the files, s, from the longest to the shortest, (J,)
-    motions : of the files, at the same times
-    resolution : of the numbers in the files, relative
+    timesteps : timesteps of the files, s, from the longest to the shortest, (J,)
+    motions : motions of the files, in that order, all at the same times
+    resolution : relative resolution of the numbers in the files
 
     Returns
     -------
@@ -143,7 +143,7 @@ def _steps(
 
 
 def verdict_on_files(study: ConvergenceStudy) -> Verdict:
-    """Return the verdict on files. Where there is no evidence, it quotes what a verdict takes."""
+    """Return the verdict on files; without evidence, it says how many files a verdict needs."""
     verdict = judge(study.records)
     if verdict.verdict != "unresolved" or study.steps is not None:
         return verdict
@@ -230,6 +230,6 @@ def _shared(motions: Sequence[Trajectory]) -> FloatArray:
 
 
 def _at(motion: Trajectory, times: FloatArray) -> Trajectory:
-    """Return the samples at times, s, (S,), that are those of another file but for rounding."""
+    """Return the samples of a motion at given times, s, (S,), which are its own up to rounding."""
     slack = SAME_TIME * float(times[-1])
     return replace(motion.at(np.searchsorted(motion.t, times - slack)), t=times)

@@ -12,9 +12,10 @@ from ....scenarios.scenario import with_tables
 
 
 def powerless(scenario: Scenario) -> Iterator[str]:
-    """Yield a sentence for each effect without which no signal changes, and one for a horizon.
+    """Yield a sentence for each effect that can be left out without a change of any signal.
 
-    The horizon is reported if the exact motion ends before the window.
+    A change counts if it exceeds the uncertainty of the exact motion. Another sentence says so if
+    the exact motion ends before the window.
 
     Raises
     ------

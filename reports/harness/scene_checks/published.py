@@ -22,7 +22,7 @@ class PublishedValue:
 
     Attributes
     ----------
-    quantity : as the scene's file names it
+    quantity : its name in the scene's file
     printed, ours : components of the published value, SI, NaN where none was printed, and of the
         reference's value, whose quaternion has the sign of the printed quaternion
     """

@@ -25,7 +25,7 @@ def complaints(scenario: Scenario) -> Iterator[str]:
 
 
 def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Yield conserved quantities that drift further than the stated uncertainty allows."""
+    """Yield a complaint for each conserved quantity that drifts further than uncertainty allows."""
     allowed = allowed_drifts(scenario, solution.trajectory, solution.uncertainty)
     for name, drift in drifts(scenario, solution.trajectory).items():
         if not drift <= allowed[name]:
@@ -33,7 +33,10 @@ def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Yield complaints by DOP853; the span is halved until its own error bound is small enough."""
+    """Yield a complaint for each signal in which a solution by DOP853 differs too much.
+
+    The span that is compared is halved until the error bound of DOP853 is small enough.
+    """
     times = times_within_reach(scenario, solution.trajectory)
     while True:
         if len(times) < len(solution.trajectory.t) or times[-1] < solution.trajectory.t[-1]:
@@ -51,8 +54,8 @@ def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
 def _bounds(solution: Solution, other: CrossCheck) -> dict[str, float]:
     """Return bounds, by signal, of the difference between a solution and its cross-check.
 
-    They are the local errors of the cross-check, multiplied by the conditioning, and the solution's
-    uncertainty.
+    Each is the sum of the local errors of the cross-check, multiplied by the conditioning, and of
+    the solution's uncertainty.
     """
     committed = other.steps * other.tolerance
     uncertainty = dict(solution.uncertainty)

@@ -53,7 +53,7 @@ def stock_runs_of(
 ) -> list[StockRun]:
     """Return an engine's runs at its own stock timestep and at the one common to all engines.
 
-    On a hard scene the latter is not made if it would take more steps than a quick study's ladder.
+    On a hard scene the latter is refused if it would take more steps than a quick study's ladder.
 
     Parameters
     ----------

@@ -74,9 +74,9 @@ class BatchRow:
     device : the device that steps the worlds; the one asked for if nothing was stepped
     steps : number of steps that are compared
     until : time of the last of these steps, s
-    alone, place, neighbours : the largest difference of a world from the world alone, from the
-        world at the first place, and from itself beside odd neighbours; None if the motions agree
-        to the last bit, infinite if a neighbour stops all worlds
+    alone, place, neighbours : the largest difference of a world in the batch from the world alone,
+        from the world at the first place, and from the same place beside odd neighbours; None if
+        the motions agree to the last bit, infinite if a neighbour stops all worlds
     has_neighbours : whether the batch has places for odd neighbours
     because : what the motion depends on; empty if it does not depend on its batch
     seconds_per_step : wall time of a step of all worlds
@@ -148,7 +148,7 @@ def _refused(engine: Engine, name: str) -> str:
 
 
 def neighbours_of(scenario: Scenario) -> dict[str, Scenario]:
-    """Return scenes that are stepped beside a scene, by a description of each."""
+    """Return the odd neighbours that are stepped beside a scene, by a description of each."""
 
     def turning(rate: float) -> Scenario:
         # Set directly, since no file may hold such a start.
@@ -238,7 +238,7 @@ class _Study:
         return [k for k in range(self.begun.worlds) if k not in self._places]
 
     def _batch(self, odd: Sequence[Scenario], ends: Sequence[int] = ()) -> _Motion:
-        """Run a batch, with odd neighbours in turn at the free places.
+        """Run a batch, with the scenes of odd neighbours in turn at the free places.
 
         Parameters
         ----------

@@ -88,7 +88,7 @@ def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[Engi
 def run_ensemble(
     plan: EnsemblePlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run the missing points, and store the results of each as soon as it has been run."""
+    """Run the missing points of an ensemble, and store the results of each as soon as it is run."""
     if plan.missing:
         compile_side_by_side(executor)
     tasks = (partial(study_point, left, base, store, executor) for left in plan.left())

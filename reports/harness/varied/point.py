@@ -73,7 +73,7 @@ def _timestep(base: Scenario, point: EnsemblePoint, engine: Engine) -> float:
 
 
 def _no_scene(error: ValueError) -> str:
-    """Return why there is no scene at a point."""
+    """Return in words why there is no scene at a point, given the error of making it."""
     if not isinstance(error, ScenarioError):
         return str(error)
     # The line number is left out: the varied file exists in memory only.
@@ -134,7 +134,7 @@ def rung_at(point: EnsemblePoint, scenario: Scenario, engine: Engine) -> Rung | 
     Raises
     ------
     ValueError
-        If the window is shorter than one step.
+        If the window is shorter than one step, or has more steps than can be counted.
     """
     if point.timestep is not None:
         return single(point.timestep, scenario.times)

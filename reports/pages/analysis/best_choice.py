@@ -15,6 +15,7 @@ from .rounding_bias import rounding_bias
 from .wording import number, rounded_down
 from .work_precision import cost, curve_of
 
+#: The largest error allowed in each signal, by its name: attitude in rad, others relative.
 ErrorBounds = Mapping[str, float]
 
 
@@ -28,8 +29,8 @@ class Candidate:
         in a sentence
     decided_by : the signal whose bound needs the smallest timestep, or cannot be reached
     largest_stable : the coarsest timestep from which on all finer runs ended well, s
-    finest_useful : timestep below which the error in that signal grows by rounding, s; None if no
-        run shows that
+    finest_useful : timestep below which the error in the signal `decided_by` grows by rounding, s;
+        None if no run shows that
     bias : bias of the rounding, ulp of single precision a step; None if no bias is shown
     timestep : s; None if a bound is out of reach
     cost : CPU seconds for a simulated second at that timestep
@@ -74,7 +75,7 @@ def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candidate:
-    """Return a method's longest timestep within every error bound, or a bound out of its reach."""
+    """Return a method with its longest timestep within every bound, or a bound out of reach."""
     curves = {signal: curve_of(scene, runs, signal) for signal in bounds}
     reached = {signal: reach(curves[signal], bound) for signal, bound in bounds.items()}
     timesteps = {
@@ -113,7 +114,7 @@ def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
 
 #: Bounds of a best choice: attitude in rad; ω relative to its largest value.
 ATTITUDE_WITHIN, OMEGA_WITHIN = math.radians(0.1), 1e-3
-#: A motion distinguishes methods if turning on at a constant rate misses a bound by this factor.
+#: A motion tells methods apart if uniform rotation from its start exceeds a bound by this factor.
 TELLING = 10.0
 BOUNDS: ErrorBounds = {"attitude": ATTITUDE_WITHIN, "omega": OMEGA_WITHIN}
 
@@ -144,12 +145,12 @@ class BestChoice:
 
     @property
     def setup(self) -> str:
-        """What users write to use the method so; empty if its adapter does not say."""
+        """What users write to use the method at this timestep; empty if the adapter states none."""
         return self.runs.setup(self.timestep)
 
 
 def best_choice(scene: SceneRuns) -> BestChoice | None:
-    """Return the best choice of all engines on a scene; None if there is none."""
+    """Return the first of `best_choices`, the best of all engines; None if there is none."""
     return next(iter(best_choices(scene)), None)
 
 
@@ -190,10 +191,9 @@ def to_type(timestep: float, finest: float | None) -> float:
 def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
     """Return why a scene does not tell good methods from bad ones; empty if it does.
 
-    It does not if a body that turned on as at the start, at a constant rate about a constant axis,
-    would have errors of less than `TELLING` times the bounds of attitude and ω (`BOUNDS` where none
-    is given): a trivial forecast with little less skill (A. H. Murphy, Mon. Wea. Rev. 116 (1988)
-    2417).
+    It does not if a trivial forecast, uniform rotation about the axis at the start, has errors of
+    less than `TELLING` times the bounds of attitude and ω (`BOUNDS` where none is given). On skill
+    relative to a trivial forecast see A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417.
     """
     errors = _errors_of_uniform_rotation(solved)
     if any(errors[name] > TELLING * bounds.get(name, bound) for name, bound in BOUNDS.items()):
@@ -221,6 +221,7 @@ def within_in_words(bounds: ErrorBounds) -> str:
 
 
 def _errors_of_uniform_rotation(solved: SceneResult) -> Errors:
+    """Return the errors of a body that keeps turning about its axis at the start."""
     exact = solved.solution.trajectory
     omega = exact.omega_body[:1].repeat(len(exact.t), axis=0)
     attitudes = exact.R_world_body[0] * Rotation.from_rotvec(omega * exact.t[:, None])
@@ -238,6 +239,7 @@ def _rank(one: BestChoice) -> tuple[bool, float, float]:
 
 
 def _within(scene: SceneRuns, row: Row) -> bool:
+    """Whether a run's errors, at least the reference's uncertainty, are within `BOUNDS`."""
     assert row.errors is not None, "only a run with errors is chosen"
     limits = scene.uncertainty(row)
     return all(max(row.errors[name], limits[name]) <= bound for name, bound in BOUNDS.items())

@@ -24,7 +24,7 @@ ERROR_FACTOR = 1.1
 #: 1.18 apart, though up to 12 % of them by more than both spreads; of steps that cost twice as
 #: much, 99 % are detected.
 COST_FACTOR = 1.25
-#: Words from good to bad.
+#: The outcomes of runs, from good to bad.
 OUTCOMES: tuple[Outcome, ...] = ("ok", "unsupported", "diverged", "failed")
 
 Kind = Literal[
@@ -43,8 +43,8 @@ class Change:
     old, new : the values in the two files; None if missing
     direction : whether the change is for the worse, for the better, or neither
     regression : whether it is for the worse, and due to the engine or program under test
-    scenario, engine, method, timestep : of the results that changed, timestep in s; None if the
-        change is not of one scene, engine, method or timestep
+    scenario, engine, method, timestep : what the changed results belong to, timestep in s; None
+        if the change is not of one scene, engine, method or timestep
     """
 
     kind: Kind
@@ -81,11 +81,13 @@ _OfKey = tuple[SceneRuns, MethodRuns]
 
 
 def _by_key(results: Results) -> dict[Key, _OfKey]:
+    """Return the runs of each method on each scene, with the scene, by their key."""
     scenes = report_data(results).scenes
     return {Key(one.name, *runs.pair): (one, runs) for one in scenes for runs in one.methods}
 
 
 def _environment(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Change]:
+    """Yield a change for each entry of the environment, but the date, that differs."""
     for name in sorted((old.keys() | new.keys()) - {"date"}):
         if old.get(name) != new.get(name):
             yield Change("environment", name, old.get(name), new.get(name))
@@ -97,6 +99,7 @@ def _edited(name: str, old: Results, new: Results) -> bool:
 
 
 def _scenes(old: Results, new: Results, edited: set[str]) -> Iterator[Change]:
+    """Yield a change for each scene that is in one file only, or was edited."""
     before, after = ({key.scenario for key in _by_key(r)} for r in (old, new))
     for name in sorted(before ^ after):
         yield Change("scene", name, *_presence(name in before), scenario=name)
@@ -106,6 +109,7 @@ def _scenes(old: Results, new: Results, edited: set[str]) -> Iterator[Change]:
 
 
 def _methods(old: Results, new: Results) -> Iterator[Change]:
+    """Yield a change for each method that is in one file only."""
     before, after = ({key.pair for key in _by_key(r)} for r in (old, new))
     for engine, method in sorted(before ^ after):
         presence = _presence((engine, method) in before)
@@ -117,13 +121,14 @@ def _presence(before: bool) -> tuple[str | None, str | None]:
 
 
 def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
+    """Yield a change if the verdict's word differs."""
     before, after = old.verdict if old else None, new.verdict if new else None
     if before != after:
         yield _in_words(key, "verdict", before, after, tuple(RANKS))
 
 
 def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Yield a change of the order with which the gains of steps vanish."""
+    """Yield a change if the order at which gains vanish differs between verdicts `converges`."""
     before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
     if before is None or after is None or before == after:
         return
@@ -157,6 +162,7 @@ def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
 def _errors(
     old: Row, new: Row, old_noise: Mapping[str, float], new_noise: Mapping[str, float]
 ) -> Iterator[Change]:
+    """Yield a change for each signal in which the errors of two runs differ beyond noise."""
     if old.errors is None or new.errors is None:
         return
     # Older files have no errors of spins.
@@ -168,9 +174,9 @@ def _errors(
 
 
 def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
-    """Return, by signal, by how much an error may differ without having changed.
+    """Return the noise of a run's errors, by signal.
 
-    It is the uncertainty of the reference, and rounding at every step, multiplied by the
+    It is the uncertainty of the reference, plus the rounding of every step, multiplied by the
     conditioning.
     """
     growth, bound = scene.exact.solution.conditioning, scene.uncertainty(row)
@@ -190,6 +196,7 @@ def _has_changed(old: float, new: float, noise: float) -> bool:
 
 
 def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Change]:
+    """Yield a change if the cost of a step differs beyond the spread of the timings."""
     before, after = _seconds(old[1].rows), _seconds(new[1].rows)
     if before is None or after is None:
         return
@@ -201,7 +208,7 @@ def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Ch
 
 
 def _seconds(rows: Iterable[Row]) -> tuple[float, float] | None:
-    """Return CPU seconds a step of a method and their spread; None if the method was not timed."""
+    """Return a method's CPU seconds a step and their spread, s; None if it was not timed."""
     for row in rows:
         if row.seconds_per_step is not None and row.seconds_spread is not None:
             return row.seconds_per_step, row.seconds_spread
@@ -238,6 +245,6 @@ def _judged(
     worse: bool,
     timestep: float | None = None,
 ) -> Change:
-    """Return a change that is for the worse, and then a regression, or for the better."""
+    """Return a change for the worse, which counts as a regression, or for the better."""
     direction: Direction = "worse" if worse else "better"
     return Change(kind, name, old, new, direction, worse, **asdict(key), timestep=timestep)

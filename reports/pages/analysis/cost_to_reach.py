@@ -26,7 +26,7 @@ Tallies = dict[tuple[str, str, float], tuple[int, int, float | None]]
 
 
 def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> Tallies:
-    """Return, for each method and level of error, on how many scenes it is reached, and the cost.
+    """Return on how many scenes each method reaches each level of error, and at which cost.
 
     Parameters
     ----------
@@ -180,6 +180,7 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
 
 
 def _priced(curve: Curve, level: float, how: How, reason: str, timestep: float) -> Reach:
+    """Return the cost of a timestep, s, as a `Reach`; "not timed" if no step was timed."""
     if curve.seconds_per_step is None:
         return Reach(level, "not timed", f"a timestep of {timestep:.3g} s, its steps not timed")
     return Reach(level, how, reason, timestep, curve.seconds_per_step / timestep)

@@ -1,4 +1,4 @@
-"""Timesteps below which rounding makes errors grow, and rounding that is biased, in words."""
+"""Methods' timesteps below which rounding makes errors grow, and biases of rounding, in words."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -75,5 +75,6 @@ def finest_in_words(shown: Sequence[Finest]) -> list[str]:
 
 
 def _first(names: Sequence[str]) -> str:
+    """Return the first `NAMED` names as a list in words, and how many others there are."""
     more = len(names) - NAMED
     return "; ".join(names[:NAMED]) + (f"; and {plural(more, 'other method')}" if more > 0 else "")

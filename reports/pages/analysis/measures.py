@@ -31,6 +31,7 @@ class Measure:
 
 
 def _attitude(row: Row) -> float | None:
+    """Return a run's attitude error, degrees; inf if it did not finish, None if unknown."""
     if row.errors is None:
         return math.inf
     off = row.errors.attitude * DEGREES
@@ -38,6 +39,7 @@ def _attitude(row: Row) -> float | None:
 
 
 def _turns(row: Row) -> float | None:
+    """Return a run's turns until it is 1° off or ends early; inf if never, None if unknown."""
     if row.turns is None:
         return None if row.errors else 0.0
     if row.turns_within_1deg is not None:
@@ -46,6 +48,7 @@ def _turns(row: Row) -> float | None:
 
 
 def _a_turn(row: Row) -> float | None:
+    """Return the attitude error that a turn adds, degrees; inf if unfinished, None if unknown."""
     if row.errors is None:
         return math.inf
     return None if row.attitude_a_turn is None else row.attitude_a_turn * DEGREES
@@ -76,13 +79,13 @@ class Members:
         return tuple(point for point in self.points if point.errors is not None)
 
     def errors(self, measure: Measure) -> FloatArray:
-        """Return the values of a measure for the runs that finished, ascending."""
+        """Return the values of a measure for the runs that finished, ascending, (k,)."""
         return _known(measure, self.finished)
 
     def quantiles(self, measure: Measure) -> tuple[float | None, ...] | None:
         """Return a measure's values at `QUANTILES`, from the best to the worst; None without runs.
 
-        A quantile is None if it would be the largest value itself: p99 needs 100 members.
+        p95 and p99 are None where they would be the largest value itself: p99 needs 100 members.
         """
         values = _known(measure, self.points)
         if not len(values):
@@ -95,6 +98,7 @@ class Members:
 
 
 def _known(measure: Measure, points: Iterable[Row]) -> FloatArray:
+    """Return the values of a measure that are known, ascending, (k,)."""
     values = (measure.of(point) for point in points)
     return np.sort(np.array([value for value in values if value is not None], dtype=float))
 

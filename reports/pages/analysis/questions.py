@@ -46,13 +46,19 @@ _FILLED: "WeakKeyDictionary[ReportData, Tables]" = WeakKeyDictionary()
 
 
 def ask(gathered: ReportData, question: str, *values: Any) -> list[Any]:
-    """Return the rows that an SQL query selects, with `values` for its question marks."""
+    """Return the rows that an SQL query selects from the tables that the module describes.
+
+    Parameters
+    ----------
+    question, values : the query, and values for its question marks
+    """
     if gathered not in _FILLED:
         _FILLED[gathered] = _filled(gathered)
     return _FILLED[gathered].ask(question, *values)
 
 
 def _filled(gathered: ReportData) -> Tables:
+    """Return the tables that the module describes, filled from a report."""
     place = {pair: k for k, pair in enumerate(gathered.pairs)}
     every = [(scene, runs, place[runs.pair]) for scene in gathered.scenes for runs in scene.methods]
     rows = [row for _, runs, _ in every for row in runs.rows]
@@ -71,6 +77,7 @@ def _names(key: Key) -> tuple[str, str, str]:
 
 
 def _run(row: Row) -> tuple[Any, ...]:
+    """Return a run as a line of the table ``run``."""
     return (
         *_names(row.key),
         row.engine_version,
@@ -86,6 +93,7 @@ def _run(row: Row) -> tuple[Any, ...]:
 
 
 def _tried(scene: SceneRuns, runs: MethodRuns, place: int) -> tuple[Any, ...]:
+    """Return a method on a scene as a line of the table ``tried``."""
     verdict = runs.verdict
     survived = survival(runs.rows, scene.fastest_rate if scene.solved else None)
     return (
@@ -105,6 +113,7 @@ def _tried(scene: SceneRuns, runs: MethodRuns, place: int) -> tuple[Any, ...]:
 
 
 def _unasked(row: Row) -> Iterable[str]:
+    """Return the names of what acted in a run though the scene does not call for it."""
     # Only names are counted, because measured sizes differ between scenes.
     names = [name for name in row.unasked if not any(map(str.isdigit, name))]
     return dict.fromkeys([*names, *["a velocity clamp"] * (row.cause == "clamp")])
@@ -116,7 +125,7 @@ def own_timesteps(gathered: ReportData) -> dict[str, float]:
 
 
 def verdict_counts(gathered: ReportData, *, as_shipped: bool) -> dict[str, int]:
-    """Return on how many pairs of a scene and a method each verdict was given.
+    """Return the number of pairs of a scene and a method with each verdict, by the verdict.
 
     Parameters
     ----------
@@ -146,7 +155,7 @@ class Usual(OfMethod):
         end well
     worst, worst_finished : the scene of the largest error, and that of the largest finite one
     largest_finished : the largest finite error, degrees; None if no run ended well
-    turns : the median number of turns until the attitude is off by 1°, independent of windows
+    turns : the median number of turns until the attitude is off by 1°
     a_turn : the median error that a turn adds, degrees
     """
 

@@ -192,7 +192,7 @@ class SceneRuns:
 
     @cached_property
     def _uncertainties(self) -> dict[float, Errors]:
-        """The uncertainties by that of ω stored with a run, as figures need them often."""
+        """Results of `uncertainty` so far, by the uncertainty of ω that is stored with a run."""
         return {}
 
 
@@ -245,7 +245,7 @@ class ReportData:
 
     @cached_property
     def plain(self) -> "ReportData":
-        """The report on plain scenes alone; on the hard ones if there are no others."""
+        """The report on the scenes not tagged `hard` alone; on all scenes if all are hard."""
         plain = tuple(s for s in self.scenes if not (s.solved and s.solved.scenario.hard))
         return replace(self, scenes=plain or self.scenes)
 

@@ -1,4 +1,4 @@
-"""Rounding with a bias: errors by it grow as 1/timestep, those of random rounding as its root."""
+"""Biased rounding, whose errors grow as 1/timestep; those of random rounding grow as the root."""
 
 from collections.abc import Iterator
 
@@ -21,17 +21,18 @@ MOST = 64.0
 
 
 def rounding_bias(runs: MethodRuns) -> float | None:
-    """Return by how much rounding changes a conserved momentum in each step, in ulp of 24 bits.
+    """Return the bias of a method's rounding: the drift of a momentum in a step, ulp of 24 bits.
 
     Returns
     -------
-    the largest change of any momentum, in the finest run; None if the finest runs do not show that
-    it is by rounding, and always in one direction
+    The largest such drift of any conserved momentum, in the finest run; None unless the drift a
+    step is the same in the finest runs, as by rounding that is always in one direction.
     """
     return max(_biases(runs), default=None)
 
 
 def _biases(runs: MethodRuns) -> Iterator[float]:
+    """Yield the drift per step, ulp, of each momentum whose drift is by biased rounding."""
     ladder = [row for row in runs.rows if row.errors and row.drifts and not row.stock][-RUNS:]
     for name in MOMENTA:
         drifts = [(row.drifts or {}).get(name) for row in ladder]

@@ -22,7 +22,8 @@ class Survival:
     ----------
     timestep : the largest timestep below which every run survived, s; None if the finest run did
         not
-    turn : turn in a step of that length where the motion is fastest, rad; None if there is none
+    turn : angle turned in a step of that length where the motion is fastest, rad; None if
+        `timestep` is
     at_least : whether all runs survived, so that the method may survive a larger timestep, too
     """
 
@@ -41,7 +42,8 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
 
     Returns
     -------
-    None if nothing was run, or the method cannot simulate the scene.
+    The timestep; None if nothing was run, the method cannot simulate the scene, or the scene could
+    not be solved.
     """
     tried = sorted((row for row in rows if row.timestep and row.made), key=lambda row: row.timestep)
     if fastest_rate is None or all(row.outcome == "unsupported" for row in tried):
@@ -74,12 +76,12 @@ def row_at(runs: MethodRuns, at: At, stock_timestep: float) -> Row | None:
 
     Parameters
     ----------
-    at : which of these
+    at : which of these runs: "stock", "common" (1 ms) or "finest"
     stock_timestep : the engine's own stock timestep, s
 
     Returns
     -------
-    None if there is no such run.
+    The run; None if there is no such run.
     """
     if at == "finest":
         return next((row for row in reversed(runs.rows) if row.outcome == "ok"), None)

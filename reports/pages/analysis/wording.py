@@ -43,9 +43,9 @@ def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
 
 
 def readable(value: float | None) -> str:
-    """Return a number with two significant digits, for sentences: 13, 3.1×10⁻⁷; 180 stays.
+    """Return a number with two significant digits, for sentences: 1.3, 3.1×10⁻⁷.
 
-    None is `NOTHING`.
+    A number from 10 to 1000 is rounded to a whole number; None is `NOTHING`.
     """
     if value is not None and value >= 10 ** (READABLE_DIGITS - 1) and value < 10**PLAIN_POWERS.stop:
         return f"{value:.0f}"

@@ -23,7 +23,7 @@ from .report_data import MethodRuns, SceneRuns
 GROWN = 2**0.5
 #: Relative difference below which two doubles are not known to differ.
 EPS = float(np.finfo(float).eps)
-#: The same of floats of 24 bits.
+#: The same for floats of 24 bits.
 SINGLE = float(np.finfo(np.float32).eps)
 
 
@@ -53,11 +53,12 @@ class Curve(OfMethod):
     stable : the runs of the ladder that ended ok, as far as all runs with shorter timesteps did
     seconds_per_step : CPU time of a step, s, None where it was not timed
     uncertainty : uncertainty of the reference in this signal
-    rounding : error that one ulp in the start may cause
+    rounding : error that one ulp in the start may cause, in the engine's precision
     duration : simulated time, s
     single_precision : whether the engine's ulp is that of floats of 24 bits
     declared : the order of accuracy of ω that the adapter declares; None if not known
-    verdict, reason, order : of the verdict on the method and scene; None if there is none
+    verdict, reason, order : the verdict on the method and scene, its reason, and the order at which
+        gains vanish; None if there is none
     """
 
     engine: str
@@ -106,7 +107,7 @@ class Curve(OfMethod):
     def least(self) -> CurvePoint | None:
         """The run with the least error, if errors at shorter timesteps are larger, as by rounding.
 
-        None is returned otherwise. A single larger error may be chance: at least two runs must show
+        It is None otherwise. A single larger error may be chance: at least two runs must show
         it, stock ones included, by errors that grow from each to the next, or are all larger by
         `GROWN` and do not fall again.
         """

@@ -36,7 +36,7 @@ LEAST_HEIGHT = 0.45
 
 
 def _surface(semi_axes: FloatArray, names: tuple[str, str, str]) -> list[Trace]:
-    """Return an ellipsoid's wire frame and its three axes.
+    """Return the traces of an ellipsoid's wire frame and of its three axes.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def _on_surface(
     Parameters
     ----------
     points : points of the curve, (n, 3)
-    height : of the figure, pixels
+    height : height of the figure, pixels
     overlay : which curve the script draws, as `_overlay` returns it
     """
     start = _trace(points[:1], mode="markers", marker={"color": INK, "size": 5})
@@ -95,15 +95,15 @@ def _overlay(kind: str, matrix: FloatArray, **panel: int) -> dict[str, Any]:
 
     Parameters
     ----------
-    kind : which curve
-    matrix : the matrix to the axes that the curve is drawn in
+    kind : which curve the script draws, such as "axis"
+    matrix : takes vectors in body or world axes, by the kind, to the axes of the plot, (2 or 3, 3)
     panel : number of the panel, if the figure has any
     """
     return {"kind": kind, "exact": "beginning"} | panel | {"matrix": matrix.tolist()}
 
 
 def _view(semi_axes: FloatArray, towards: FloatArray) -> dict[str, Any]:
-    """Return Plotly's 3-D scene without a box around it.
+    """Return the settings of a 3-D plot in Plotly: ranges, proportions and eye, without a box.
 
     Parameters
     ----------
@@ -140,6 +140,7 @@ def _trace(points: FloatArray, **properties: Any) -> Trace:
 
 
 def _latitudes() -> list[FloatArray]:
+    """Return circles of latitude on the unit sphere, (POINTS, 3) each."""
     around = np.linspace(0, 2 * np.pi, POINTS)
     heights = np.linspace(-1, 1, LATITUDES + 2)[1:-1]
     radii = np.sqrt(1 - heights**2)
@@ -150,6 +151,7 @@ def _latitudes() -> list[FloatArray]:
 
 
 def _longitudes() -> list[FloatArray]:
+    """Return half circles of longitude on the unit sphere, (POINTS, 3) each."""
     down = np.linspace(0, np.pi, POINTS)
     return [
         np.column_stack([np.sin(down) * np.cos(a), np.sin(down) * np.sin(a), np.cos(down)])
@@ -190,6 +192,7 @@ def axis_path(scene: SceneRuns) -> list[Figure]:
 
 
 def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
+    """Return a figure of the axis's path seen from above."""
     widest = MARGIN * max(float(np.abs(exact[:, :2]).max()), NARROWEST)
     panel = square(("level component, x", "level component, y", "From above"), widest)
     traces = [start_dot(exact[0, 0], exact[0, 1], 1)]
@@ -197,6 +200,7 @@ def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 
 
 def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
+    """Return a figure of the axis's path as tilt against azimuth, degrees."""
     azimuth, tilt = _unrolled(exact)
     framed = tilt
     if np.ptp(tilt) < STEADY:
@@ -243,11 +247,12 @@ OFF_THE_ELLIPSOID = 1.5
 
 
 def polhode(scene: SceneRuns) -> list[Figure]:
-    """Return figures of polhode on its ellipsoid, and herpolhode; none for a body that never turns.
+    """Return figures of the polhode and of the herpolhode; none for a body that never turns.
 
-    The ellipsoid is Σ Iₖ ωₖ² = 2T in principal axes, T the largest rotational energy of the exact
-    motion. It is drawn for ω/√2T, so that its semi-axes are 1/√Iₖ. The herpolhode is seen along the
-    exact L at the start (Landau & Lifshitz, Mechanics, §37; Goldstein §5.6).
+    The polhode is on the ellipsoid Σ Iₖ ωₖ² = 2T in principal axes, T the largest rotational energy
+    of the exact motion. It is drawn for ω/√2T, so that the semi-axes are 1/√Iₖ. The
+    herpolhode is seen along the exact L at the start (Landau & Lifshitz, Mechanics, §37; Goldstein
+    §5.6).
     """
     exact = dense_motion(scene)
     problem = rotational_problem(scene.exact.scenario)

@@ -38,7 +38,7 @@ class DrawnBody:
     Attributes
     ----------
     shape : an ellipsoid if the body has an axis of symmetry, else a box
-    half_sides : of a solid with the body's mass and moments, along its principal axes, m, (3,)
+    half_sides : half sides of a solid with the body's mass and moments, principal axes, m, (3,)
     R_body_axes : principal axes about the com to body axes, (3, 3)
     axis_body : unit vector of the axis whose path is drawn, (3,)
     up_world : unit vector from which the axis's tilt β is measured, (3,)

@@ -28,8 +28,8 @@ from .signal_figures import defect_figure, omega_figures, tilt_figure
 #: distance, rad.
 BEYOND, NARROWEST = 0.6, math.radians(1.0)
 POINTS = 160
-#: How far above E′ V_eff is drawn, in depths of the well; the depth is taken as at least this
-#: fraction of what is drawn, because steady precession has no depth.
+#: Height above E′ up to which V_eff is drawn, in depths of the well. A well that is shallower than
+#: the second number times the range of V_eff, as in steady precession, is drawn whole.
 ABOVE, SHALLOW = 1.2, 0.05
 #: Margin below the bottom, as a fraction of the height.
 BELOW = 0.12
@@ -81,7 +81,7 @@ def _well(
 
 
 def _heights(heights: FloatArray, energy: float) -> Range:
-    """Return the range of heights, J, from below the bottom of V_eff to above E′.
+    """Return the range of the vertical axis, J, from below the bottom of V_eff to above E′.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class Titled:
 
     Attributes
     ----------
-    name : for links and tests
+    name : name by which links and tests refer to the figures
     title : the line above the figures
     caption : what is drawn and what to look for
     parts : the figures
@@ -129,6 +129,7 @@ def figures(scene: SceneRuns) -> dict[Section, list[Titled]]:
 
 
 def _signals(scene: SceneRuns) -> Iterator[Titled]:
+    """Yield the figures of tilt, ω and defects over time."""
     up = drawn_body(scene.exact).up_means
     yield Titled(
         "tilt",
@@ -155,6 +156,7 @@ def _signals(scene: SceneRuns) -> Iterator[Titled]:
 
 
 def _steps(scene: SceneRuns) -> Iterator[Titled]:
+    """Yield the figures of what single steps gain, if there is evidence of steps."""
     if parts := gain_figures(scene):
         yield Titled(
             "gains",
@@ -169,6 +171,7 @@ def _steps(scene: SceneRuns) -> Iterator[Titled]:
 
 
 def _ladder(scene: SceneRuns) -> Iterator[Titled]:
+    """Yield the figures of errors against timestep and against cost."""
     rows = [row for runs in scene.methods for row in runs.rows]
     if any(row.errors for row in rows):
         yield Titled(
@@ -192,6 +195,7 @@ def _ladder(scene: SceneRuns) -> Iterator[Titled]:
 
 
 def _geometry(scene: SceneRuns) -> Iterator[Titled]:
+    """Yield the figures of the axis's path, of ω's path and of V_eff."""
     if not scene.exact.scenario.constraint.is_free:
         yield Titled(
             "axis",

@@ -37,6 +37,7 @@ def gain_figures(scene: SceneRuns) -> list[Figure]:
 
 
 def _curves(scene: SceneRuns, quantity: Quantity) -> Iterator[tuple[MethodRuns, GainCurve]]:
+    """Yield each method that has gains of a quantity, with their curve."""
     for runs in scene.methods:
         steps = runs.evidence.steps if runs.evidence else None
         for curve in steps.curves if steps else ():
@@ -45,10 +46,12 @@ def _curves(scene: SceneRuns, quantity: Quantity) -> Iterator[tuple[MethodRuns, 
 
 
 def _is_shown(curve: GainCurve) -> bool:
+    """Whether a gain of any state exceeds the noise of the predictions."""
     return max(curve.largest) > min(curve.predicted_to[NOT_PREDICTED:])
 
 
 def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
+    """Return the figure of the gains of a quantity by all methods."""
     shown = [(runs, curve) for runs, curve in _curves(scene, quantity) if _is_shown(curve)]
     examined = sum(bool(runs.evidence and runs.evidence.steps) for runs in scene.methods)
     is_few = len(shown) < min(FEW, examined)
@@ -72,7 +75,7 @@ def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
 
 
 def _band(runs: MethodRuns, curve: GainCurve, low: float) -> Trace:
-    """Return the band in which gains are predicted from those at longer timesteps, as an area.
+    """Return, as a filled area, the band in which gains are predicted from longer timesteps.
 
     Parameters
     ----------
@@ -120,7 +123,7 @@ def _gains(runs: MethodRuns, curve: GainCurve, low: float) -> Iterator[Trace]:
 
 
 def is_off(curve: GainCurve) -> NDArray[np.bool_]:
-    """Return which of J gains miss their prediction by more than chance explains, (J,)."""
+    """Return whether each of J gains misses its prediction by more than chance explains, (J,)."""
     columns = (curve.gains, curve.predicted, curve.predicted_to)
     gains, predicted, known_to = map(np.array, columns)
     off = np.abs(gains - predicted) > OFF * known_to

@@ -120,7 +120,7 @@ def _finished(runs: MethodRuns) -> list[Row]:
 
 
 def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
-    """Yield the runs without an error, each method on its own line of the strip."""
+    """Yield markers of the runs that diverged or failed, one line of the strip for each method."""
     for k, runs in enumerate(scene.methods):
         height = 1 - (k + 0.5) / len(scene.methods)
         for outcome, symbol in ENDED.items():
@@ -187,6 +187,7 @@ def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
 
 
 def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArray:
+    """Return the errors of runs as drawn: at least the reference's uncertainty, (n,)."""
     errors = [
         max(row.errors[signal.name], scene.uncertainty(row)[signal.name])
         for row in rows
@@ -196,6 +197,7 @@ def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArra
 
 
 def _hover(runs: MethodRuns, row: Row) -> str:
+    """Return the text that the page shows where a run is pointed at."""
     took = cost(row)
     parts = [
         f"{escape(runs.label, quote=False)}, timestep {number(row.timestep)} s",
@@ -207,6 +209,7 @@ def _hover(runs: MethodRuns, row: Row) -> str:
 
 
 def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
+    """Return the range of the abscissa over all runs that are drawn."""
     values = [
         x
         for runs in scene.methods
@@ -219,7 +222,7 @@ def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
 
 
 def _guides(scene: SceneRuns, signal: Signal) -> Iterator[Trace]:
-    """Yield a dotted line for each declared order, below the lowest curve of that order."""
+    """Yield a dotted line with the slope of each declared order, below the curves of that order."""
     orders = {
         runs.label: signal.declared_order(runs.declared.order, runs.declared.attitude_order)
         for runs in scene.methods
@@ -240,12 +243,14 @@ def _guides(scene: SceneRuns, signal: Signal) -> Iterator[Trace]:
 
 
 def _readable(scene: SceneRuns, row: Row, signal: Signal) -> bool:
+    """Whether a run's error is in the asymptotic range and well above uncertainty."""
     assert row.errors is not None, "only a run with errors is drawn"
     uncertainty = scene.uncertainty(row)[signal.name]
     return ABOVE_UNCERTAINTY * uncertainty < row.errors[signal.name] < ASYMPTOTIC
 
 
 def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: Signal) -> Trace:
+    """Return a dotted line with the slope of an order, below the point `anchor`."""
     floor = scene.exact.solution.uncertainty[signal.name]
     taken = [row.timestep for runs in scene.methods for row in runs.rows if row.errors]
     timestep, error = anchor

@@ -81,11 +81,11 @@ def drawing(
 
 
 def square(titles: tuple[str, str, str], widest: float) -> Panel:
-    """Return a panel with zero in its middle.
+    """Return a square panel with the origin in its middle.
 
     Parameters
     ----------
-    titles : of the axes x and y, and of the panel
+    titles : titles of the axes x and y, and of the panel
     widest : largest absolute value shown on each axis
     """
     reach = (-widest, widest)
@@ -221,6 +221,7 @@ def padded(values: FloatArray) -> Range:
 
 
 def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]:
+    """Return the settings of an axis in Plotly."""
     axis: dict[str, Any] = {
         "title": {"text": title},
         "zeroline": False,
@@ -239,6 +240,7 @@ def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]
 
 
 def _floor_shading(suffix: str, bottom: float, floor: float) -> dict[str, Any]:
+    """Return a grey band from the bottom of a panel up to the uncertainty."""
     return {
         "type": "rect",
         "layer": "below",

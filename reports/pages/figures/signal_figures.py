@@ -96,6 +96,7 @@ HEIGHT = 300
 
 
 def _component(solved: SceneResult, k: int) -> Figure:
+    """Return a figure of the k-th component of ω, body axes, over time."""
     exact = solved.solution.trajectory.omega_body
     omega = exact[:, k]
     room = float(np.linalg.norm(exact, axis=1).max()) * STEADY_RATE

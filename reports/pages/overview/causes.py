@@ -99,7 +99,7 @@ def _counts(kind: VerdictKind) -> bool:
 
 
 def _by_each_default(gathered: ReportData, one: Usual) -> str:
-    """Return which defaults each cause an error of ω by itself, and on how many scenes, in words.
+    """Return, in words, which defaults alone alter the motion, and on how many scenes each.
 
     The text is empty if that was not measured.
     """
@@ -115,7 +115,9 @@ def _by_each_default(gathered: ReportData, one: Usual) -> str:
 
 
 def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[str]) -> str:
-    """Return what acted though scenes do not call for it, and on how many, as the engine reports.
+    """Return, in words, what acted on scenes that do not call for it, and on how many.
+
+    Names are those by which the engine reports what acts.
 
     Parameters
     ----------

@@ -121,6 +121,7 @@ def _lead(shipped: Sequence[Usual], instead: Sequence[Usual]) -> str:
 
 
 def _median(one: Usual) -> str:
+    """Return a method's median attitude error in words."""
     if one.middle < math.inf:
         return _degrees(one.middle)
     return f"lost on {one.unfinished} of {plural(one.scenes, 'scene')}"
@@ -176,7 +177,7 @@ def _worse_below(finest: Finest | None) -> tuple[str, str, str]:
 
 
 def _others(shipped: Sequence[Usual]) -> list[str]:
-    """Return sentences on engines as shipped that have no column in the first screen's table.
+    """Return sentences on the engines as shipped that have no column in the table.
 
     They state the range of their errors, and which engines blow up or fail on most scenes.
     """

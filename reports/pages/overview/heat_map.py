@@ -40,6 +40,7 @@ def stock_table(gathered: ReportData) -> Table:
 
 
 def _stock_cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
+    """Return a cell with a method's attitude error at its stock timestep."""
     runs = scene.by_pair.get(pair)
     if runs is None:
         return figure(NOTHING)
@@ -139,6 +140,7 @@ def _label(pair: Pair, shipped: list[Pair]) -> str:
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:
+    """Return the page's data of a scene, without its runs."""
     scenario = scene.solved.scenario if scene.solved else None
     return {
         "name": scene.name,
@@ -151,6 +153,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
 
 
 def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float) -> dict[str, Any] | None:
+    """Return the page's data of a method on a scene; None if it was not tried."""
     if runs is None:
         return None
     rows = {at: row_at(runs, at, stock) for at in AT}
@@ -161,6 +164,7 @@ def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float) -> dict[str, 
 
 
 def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
+    """Return the page's data of a run: its errors, or how it ended."""
     if row.errors is None:
         return {
             "timestep": row.timestep,

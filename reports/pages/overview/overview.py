@@ -75,7 +75,7 @@ def at_stock(gathered: ReportData) -> str:
 
 
 def group_of(scene: SceneRuns) -> str:
-    """Return to which of `GROUPS` a scene belongs, by its effects."""
+    """Return the group of a scene, one of `GROUPS`, by the effects that it has."""
     if scene.solved is None:
         return NOT_SOLVED
     groups = [effect.group for effect in scene.solved.scenario.acting if effect.group]
@@ -145,6 +145,7 @@ def _declared_orders(declared: Method | None) -> str:
 
 
 def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> dict[str, Cell | str]:
+    """Return a verdict as a row of a table, with its reason."""
     page = scene_page(scene.name)
     link = f"{page}#{method_anchor(runs.engine, runs.method)}"
     unmet = "expectation unmet" if verdict.unmet else ""

@@ -26,6 +26,7 @@ def default_tables(scene: SceneRuns) -> list[Captioned]:
 
 
 def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
+    """Return a table of the errors with each default alone, and with all others."""
     headings = [
         f"{error} {which}"
         for which in ("with it alone", "with all others")

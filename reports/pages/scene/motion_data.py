@@ -70,9 +70,9 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _first(scene: SceneRuns) -> int:
-    """Return the index of the run to be played first: of the defaults, the one with least error.
+    """Return the index of the run to be played first: the engine as shipped with least error.
 
-    Each default counts at its own stock timestep.
+    Each counts at its own stock timestep; the index is 0 if there is none.
     """
     shipped = [
         (float(run.series["attitude"].max()), k)
@@ -94,6 +94,7 @@ def run_name(row: Row) -> str:
 
 
 def _body(solved: SceneResult) -> dict[str, Any]:
+    """Return the body, its axis and its inertia, as the page's script draws them."""
     scenario, drawn = solved.scenario, drawn_body(solved)
     return {
         "shape": drawn.shape,
@@ -110,6 +111,7 @@ def _body(solved: SceneResult) -> dict[str, Any]:
 
 
 def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
+    """Return a run's motion and errors for the page's script."""
     uncertainty, style = scene.exact.solution.uncertainty, run.runs.style
     attitude = claimed(run.series["attitude"], uncertainty.attitude)
     omega = claimed(run.series["omega"], uncertainty.omega)
@@ -157,12 +159,14 @@ def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> 
 
 
 def _largest_since(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
-    """Return, for each kept sample, the largest value since the kept sample before; NaN at first.
+    """Return, for each kept sample, the largest value since the kept sample before it, (m,).
+
+    The first is NaN.
 
     Parameters
     ----------
-    values : (n,)
-    kept : indices of the kept samples, ascending
+    values : values at all samples, (n,)
+    kept : indices of the kept samples, ascending, (m,)
     """
     largest = np.fmax.reduceat(values, kept[:-1] + 1) if len(kept) > 1 else values[:0]
     return np.append(np.nan, largest)
@@ -180,6 +184,7 @@ def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
 
 
 def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:
+    """Return the exact motion for the page's script."""
     samples = np.arange(len(motion.t))
     states = _states(motion, samples, EXACT_STEP, EXACT_OMEGA_STEP * fastest)
     # The times are evenly spread, and need not be carried.

@@ -110,6 +110,7 @@ def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
 
 
 def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
+    """Return, in sentences, the errors of the defaults and of the best choice."""
     defaults = closest_defaults(scene)
     if _is_of_files(scene):
         return " ".join(_run_in_words(scene, "The recorded motion", row) for _, row in defaults)
@@ -133,6 +134,7 @@ def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
 
 
 def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
+    """Return a sentence with a run's attitude error, or how it ended."""
     run = f"{_capital(label)} at {duration(row.timestep)}"
     if row.errors is not None:
         return f"{run} is off by {attitude_in_degrees(scene, row)}° at worst."
@@ -172,6 +174,7 @@ def _use(scene: SceneRuns, choice: BestChoice) -> dict[str, Any]:
 
 
 def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
+    """Return names and values of what the page states of a best choice."""
     assert best.row.errors is not None, "only a run with errors is recommended"
     limits = scene.uncertainty(best.row)
     attitude, omega = limited_errors(best.row.errors, limits, ("attitude", "omega"))
@@ -200,6 +203,7 @@ def _line(
     seen: dict[tuple[Key, float], Compared],
     note: str = "",
 ) -> list[Cell | str]:
+    """Return a run as a row of a table with `HEADINGS`."""
     compared = seen.get((row.key, row.timestep))
     noticed = noticeable_from(compared) if compared else None
     return [
@@ -212,6 +216,7 @@ def _line(
 
 
 def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
+    """Return cells of a run's errors; `noticed` is when it is first 1° off, s."""
     if row.errors is None:
         word = ended(row) if row.made else "not run"
         kind = row.outcome if row.made else "unsupported"

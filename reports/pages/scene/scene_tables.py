@@ -168,6 +168,7 @@ def printed(scene: SceneRuns) -> list[tuple[str, str]]:
 
 
 def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> dict[str, Cell | str]:
+    """Return a method's verdict as a row of the table of verdicts."""
     verdict = runs.verdict
     if verdict is None:
         return {
@@ -196,7 +197,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> dict[str, Cell | str]:
 
 
 def _besides(runs: MethodRuns) -> str:
-    """Return what acts in an engine although the scene does not call for it; empty if nothing."""
+    """Return a sentence on what acts though the scene does not call for it; empty if nothing."""
     names = dict.fromkeys(name for row in runs.rows for name in row.unasked)
     return f"Active though the scene does not call for it: {', '.join(names)}." if names else ""
 
@@ -215,6 +216,7 @@ def _components(values: FloatArray) -> str:
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
+    """Return a run as a row of the table of runs."""
     errors = [NOTHING] * len(scene.signals)
     if row.errors is not None:
         names = [signal.name for signal in scene.signals]

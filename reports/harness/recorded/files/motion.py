@@ -18,8 +18,8 @@ from .....scenarios.rotation import (
 )
 from .recording import Recording, RecordingError
 
-#: Numbers of samples that ω is computed from; and the quantile of errors by which these are chosen,
-#: as errors are larger at either end.
+#: Numbers of samples from which ω is computed; and the quantile of errors by which one of these is
+#: chosen, as errors are larger at either end.
 STENCILS, NEARLY_ALL = (5, 7, 9), 0.9
 #: Largest turn between two samples, rad: over the four intervals of a stencil the direction of a
 #: turn must not be ambiguous.
@@ -194,9 +194,10 @@ def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> Floa
 
 
 def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> FloatArray:
-    """Return the derivative at each sample of the Lagrange polynomial of point j, 1/s, (n,).
+    """Return the derivative, at each sample, of the Lagrange polynomial of stencil point j, (n,).
 
-    The weight of the sample itself is not needed, as differences from it are added up.
+    It is in 1/s. The weight of the sample itself is not needed, as differences from it are added
+    up.
 
     Parameters
     ----------

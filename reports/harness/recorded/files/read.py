@@ -75,7 +75,7 @@ def read_npz(path: Path) -> Recording:
 
 
 def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Return the shape and the type of an array without unpacking it."""
+    """Return the shape and the type of the array in an entry, without unpacking the array."""
     with archive.open(entry) as packed:
         file = io.BytesIO(packed.read(LONGEST_HEADER))
     version = npy.read_magic(file)
@@ -85,11 +85,16 @@ def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.d
 
 
 def _array(archive: zipfile.ZipFile, entry: str, wanted: tuple[int | None, ...]) -> Any:
-    """Return an array, whose shape is checked before it is unpacked.
+    """Return the array in an entry, whose type and shape are checked before it is unpacked.
 
     Parameters
     ----------
     wanted : the shape; None stands for any length
+
+    Raises
+    ------
+    RecordingError
+        If the array has another shape, or does not hold numbers, or is too long.
     """
     shape, dtype = _header(archive, entry)
     is_text = dtype.kind == "U" and dtype.itemsize <= 4 * LONGEST_LINE

@@ -39,7 +39,12 @@ class Quantity:
     units: dict[str, float]
 
     def component(self, column: str) -> int | None:
-        """Return the index of the component that a column of this name holds, or None."""
+        """Return the index of the component that a column holds; None if it holds none.
+
+        Parameters
+        ----------
+        column : name of a column, without its unit
+        """
         if not self.columns:
             numbered = _NUMBERED.fullmatch(column)
             return int(numbered["number"]) - 1 if numbered else None
@@ -72,7 +77,7 @@ class ColumnError(ValueError):
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: the component of the quantity that it holds, and its unit's factor."""
+    """A column of a table: quantity, index of the component, and factor from its unit to SI."""
 
     quantity: Quantity
     component: int
@@ -145,8 +150,8 @@ def _names(quantity: Quantity) -> str:
 
 #: Tolerance of a quaternion's norm: numbers printed with four digits pass.
 UNIT_SLACK = 1e-3
-#: Tolerance of multiples that were converted from another unit, relative; and of equal numbers,
-#: relative to the largest.
+#: Relative tolerance of multiples of a unit, as numbers may have been converted from another unit;
+#: and tolerance of equal numbers, relative to the largest.
 MULTIPLE, EQUAL = 1e-6, 1e-9
 #: Largest unit that components of quaternions may be rounded to, as coarser ones do not tell
 #: attitudes apart; and the least number of different values by which rounding is recognised.
@@ -220,7 +225,7 @@ def digits_of(value: float) -> int:
 
 
 def unit_of(numbers: FloatArray) -> float:
-    """Return the number, to six digits, of which all numbers are multiples; 0 if there is none."""
+    """Return the unit, to six digits, of which all numbers are multiples; 0 if there is none."""
     sizes = np.unique(np.abs(numbers))
     distances = np.diff(sizes, prepend=0.0)
     distances = distances[distances > EQUAL * sizes[-1]]
@@ -233,20 +238,20 @@ def unit_of(numbers: FloatArray) -> float:
 
 
 def slack_of(q: FloatArray) -> float:
-    """Return by how much norms of quaternions, (n, 4), may differ from 1 by their rounding."""
+    """Return how far norms of quaternions, (n, 4), may be from 1 by rounding of the components."""
     unit, is_rounded = unit_of(q), len(np.unique(q)) >= FEWEST_VALUES
     return max(UNIT_SLACK, unit) if is_rounded and unit <= COARSEST else UNIT_SLACK
 
 
 def check_motion(arrays: dict[str, FloatArray]) -> None:
-    """Check that all arrays are finite and as long, that times increase, and norms are near 1.
+    """Check that arrays are finite and of equal length, that times increase, and norms are near 1.
 
     The norms of quaternions may drift slowly.
 
     Raises
     ------
     RecordingError
-        If they are not.
+        If a check fails, or times or quaternions are missing.
     """
     for quantity in QUANTITIES[:2]:
         if quantity.name not in arrays:

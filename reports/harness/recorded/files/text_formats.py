@@ -83,7 +83,7 @@ class Table:
 
 
 def setting(name: str, value: str, line: int | None) -> dict[str, str]:
-    """Return the value of a setting by its name; nothing if the name is no setting.
+    """Return a dictionary of a setting and its value, checked; empty if the name is no setting.
 
     Parameters
     ----------
@@ -215,7 +215,16 @@ def _object(line: str, number: int) -> dict[str, Any]:
 
 
 def _flat(record: dict[str, Any], number: int) -> Iterator[tuple[str, Any]]:
-    """Yield keys with values; the components of a list are named as a table's columns."""
+    """Yield the keys of a record with their values.
+
+    A list becomes several values, whose keys are the names of columns of a table. Lists with other
+    keys than those of quantities are left out.
+
+    Raises
+    ------
+    RecordingError
+        If a list has another number of components than its quantity.
+    """
     quantities: dict[str, Quantity] = {quantity.name: quantity for quantity in QUANTITIES}
     for key, value in record.items():
         if not isinstance(value, list):

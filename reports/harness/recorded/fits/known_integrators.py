@@ -47,11 +47,11 @@ class KnownIntegrators:
         return self._steps(self.stated or self.span, FEW)
 
     def _steps(self, timestep: float, count: int) -> tuple[Intervals, ...]:
-        """Return some of the intervals as steps of each integrator.
+        """Return some of the intervals, to be followed with each known integrator in turn.
 
         Parameters
         ----------
-        timestep : s
+        timestep : timestep of the integrators, s
         count : the most intervals
 
         Returns
@@ -65,15 +65,18 @@ class KnownIntegrators:
         return tuple(data.made_by(one, timestep) for one in KNOWN)
 
     def that_made(self, hypothesis: Hypothesis) -> str:
-        """Return the integrator that computed the motion of a hypothesis, in words; or empty."""
+        """Return in words the integrator that computed the motion, if a hypothesis holds; or empty.
+
+        Its steps with the equations of the hypothesis lead from sample to sample.
+        """
         exactly = self.left_exactly(hypothesis)
         return self._in_words(self._best(self.each, hypothesis, exactly, noise=1.0))
 
     def at_another_timestep(self, hypothesis: Hypothesis) -> str:
-        """Return the integrator that computed the motion with another timestep, in words; or empty.
+        """Return in words the integrator that computed the motion with another timestep; or empty.
 
-        Among the many integrators and timesteps that are tried some come as near as noise: the
-        right one must be far nearer.
+        Of the many integrators and timesteps that are tried, some have residuals as small as noise
+        by chance: the right one must have far smaller residuals.
         """
         exactly = self.left_exactly(hypothesis)
         each = (self._steps(self.span / n, GUESSED) for n in STEPS)
@@ -81,19 +84,21 @@ class KnownIntegrators:
         return self._in_words(next(filter(None, every), None))
 
     def left_exactly(self, hypothesis: Hypothesis) -> float:
-        """The mean square of the residuals of a hypothesis' exact flow, in variances of noise."""
+        """Return the mean square residual of a hypothesis' exact flow, in variances of noise."""
         return mean_square(self.intervals.spread(FEW).made_by(EXACT, 0.0).deviations([hypothesis]))
 
     @staticmethod
     def _best(
         each: tuple[Intervals, ...], hypothesis: Hypothesis, exactly: float, noise: float
     ) -> Intervals | None:
-        """Return the steps that computed the motion of a hypothesis; None if none did.
+        """Return the intervals with the integrator that computed the motion; None if none did.
 
         Parameters
         ----------
-        exactly : the mean square of the residuals of its exact flow, in variances of noise
-        noise : largest mean square of the steps' residuals, in variances of noise
+        each : the intervals with each integrator
+        exactly : the mean square residual of the hypothesis' exact flow, in variances of noise
+        noise : the mean square up to which an integrator's residuals count as noise, in variances
+            of noise
         """
         if not each or exactly <= 1:
             return None
@@ -108,5 +113,5 @@ class KnownIntegrators:
 
     @staticmethod
     def _in_words(steps: Intervals | None) -> str:
-        """Return the integrator and timestep of steps in words; empty without steps."""
+        """Return in words the integrator and timestep of intervals; empty if there are none."""
         return f"what {steps.integrator.name} at {steps.timestep:.4g} s makes" if steps else ""

@@ -48,14 +48,14 @@ Tree = tuple[int, tuple["Tree", ...]]
 def left_by_methods(
     data: Intervals, orders: Sequence[int], timestep: float | None = None
 ) -> FloatArray:
-    """Return the residuals beside the leading errors of methods of given orders, (6 S,).
+    """Return what the leading errors of methods of given orders leave of the residuals, (6 S,).
 
-    They are in units of `data.scale`. The coefficients of elementary differentials, up to
-    `LARGEST`, are fitted by least squares.
+    It is in units of `data.scale`. The coefficients of elementary differentials, up to `LARGEST`,
+    are fitted by least squares.
 
     Parameters
     ----------
-    timestep : of the method, s; that of the samples if None
+    timestep : timestep of the method, s; the time between samples if None
     """
     residuals, errors = data.deviations([data.base]).ravel(), leading_errors(data, orders, timestep)
     columns = (errors / data.scale).reshape(len(errors), -1).T
@@ -69,14 +69,14 @@ def left_by_methods(
 def leading_errors(
     data: Intervals, orders: Sequence[int], timestep: float | None = None
 ) -> FloatArray:
-    """Return the errors by each elementary differential, rad and rad/s, (k, S, 6).
+    """Return the error that each elementary differential makes, rad and rad/s, (k, S, 6).
 
-    These are the errors at the ends of the intervals by each of the k elementary differentials of
-    methods of given orders, with a coefficient of one.
+    These are the errors at the ends of S intervals, by each of the k elementary differentials of
+    methods of given orders with a coefficient of one.
 
     Parameters
     ----------
-    timestep : of the method, s; that of the samples if None
+    timestep : timestep of the method, s; the time between samples if None
     """
     steps = np.minimum(timestep or np.inf, data.spans)
     equations = data.base.equations
@@ -116,7 +116,7 @@ def leading_errors(
 
 
 def _terms(equations: OtherEquations) -> list[OtherEquations]:
-    """Return equations that have one of the nonzero terms of Euler's equations each."""
+    """Return, for each nonzero term of Euler's equations, equations that have this term alone."""
     every = {name: 0 * getattr(equations, name) for names in _TERMS for name in names}
     acting = [[n for n in names if getattr(equations, n).any()] for names in _TERMS]
     return [
@@ -139,12 +139,12 @@ def _colours(order: int, terms: int) -> Sequence[int]:
 
 
 def trees(count: int, colours: Sequence[int]) -> list[Tree]:
-    """Return the rooted trees with a number of vertices, (count), of these colours."""
+    """Return all rooted trees with `count` vertices, each of one of the given colours."""
     return [(root, branches) for root in colours for branches in _forests(count - 1, colours)]
 
 
 def _forests(count: int, colours: Sequence[int]) -> list[tuple[Tree, ...]]:
-    """Return the forests, multisets of trees, that have a number of vertices, (count), together."""
+    """Return all forests (multisets of rooted trees) that have `count` vertices together."""
     if not count:
         return [()]
     forests = {
@@ -162,9 +162,9 @@ class _Differentials:
 
     Attributes
     ----------
-    equations : by colour
+    equations : the equations for each colour of vertices
     states : q, scalar first, and ω, rad/s, body axes, (n, 7)
-    rate : of the fastest change of a state, 1/s
+    rate : rate of the fastest change of a state, 1/s
     """
 
     equations: Sequence[OtherEquations]
@@ -172,7 +172,7 @@ class _Differentials:
     rate: float
 
     def of(self, tree: Tree) -> FloatArray:
-        """Return the differential of a tree, of q and ω, in units in which the rate is 1, (n, 7).
+        """Return a tree's elementary differential, q and ω, in units in which `rate` is 1, (n, 7).
 
         The m-th derivative in the directions of m differentials is taken by central differences.
         """
@@ -192,7 +192,7 @@ class _Differentials:
         return turning_of(self.states[:, :4], self.of(tree)[:, :4])
 
     def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
-        """Return q' and ω' of states with quaternions of any length, (n, 7)."""
+        """Return q' and ω' of states, whose quaternions may have any length, (n, 7)."""
         equations = self.equations[colour]
         kept = np.repeat(equations.kept[None], len(states), axis=0)
         turning, accelerated = np.split(rates(equations, states, kept), 2, axis=1)

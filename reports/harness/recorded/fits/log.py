@@ -55,7 +55,7 @@ class Log(Data):
 
     @cached_property
     def growing(self) -> Sequence["Log"]:
-        """As in `Data`: first samples, whose motion is nearly linear in its start, to all."""
+        """As in `Data`: the first log is so short that its motion is nearly linear in its start."""
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
         length, logs = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), []
         while length < len(self.t):
@@ -65,7 +65,7 @@ class Log(Data):
 
     @property
     def measured(self) -> int:
-        """How many numbers each sample has that are fitted."""
+        """The number of components of a sample that are fitted: 6, or 3 if ω was not recorded."""
         return 6 if self.has_omega else 3
 
     def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
@@ -82,15 +82,15 @@ class Log(Data):
         return off[..., : self.measured]
 
     def made(self, hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
-        """Return the states of H hypotheses at times from the first sample's on, (H, n, 7).
+        """Return the states that H hypotheses lead to at given times, (H, n, 7).
 
         Parameters
         ----------
-        t : s, (n,), in the order in which they follow, or precede, the first sample
+        t : s, (n,), later and later than the first sample, or earlier and earlier
 
         Returns
         -------
-        q, scalar first, and ω, rad/s, body axes
+        q, scalar first, and ω, rad/s, body axes, before any sensor reads them
         """
         changed = np.stack([one.start for one in hypotheses])
         turn = Rotation.from_rotvec(changed[:, :3])
@@ -103,9 +103,9 @@ class Log(Data):
         return follow_each(equations, starts, spans, fastest=self.fastest)[:, 0]
 
     def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:
-        """As in `Data`: of the tensor relative to its trace, (9,).
+        """As in `Data`: those of the tensor of inertia relative to its trace, (9,).
 
-        Its prior mean is the tensor of the scene.
+        The prior mean is the tensor of the scene.
         """
         made, usual = (h.equations.inertia for h in (hypothesis, self.base))
         deviation = made / np.trace(made) - usual / np.trace(usual)
@@ -126,9 +126,9 @@ class Log(Data):
         return np.asarray(squares + 3 * len(self.t) * fits[: len(squares)] ** 2)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """As in `Data`; twice the logarithm of the likelihood ratio if the noise is not stated.
+        """As in `Data`; but twice the logarithm of the likelihood ratio if noise is not stated.
 
-        The noise is then estimated from the residuals.
+        In that ratio, noise is estimated from the residuals.
         """
         if self.is_stated:
             return super().chi2_decrease(before, after)

@@ -62,7 +62,7 @@ class LogFit:
 
     @cached_property
     def tensor(self) -> Change:
-        """The change that fits the tensor of inertia, with deviations from the scene's."""
+        """The change that fits the tensor of inertia, by its deviation from the scene's tensor."""
         return tensor(self.given.base.equations)
 
     @cached_property
@@ -72,7 +72,7 @@ class LogFit:
 
     @cached_property
     def axes(self) -> Change:
-        """The change that turns the axes, in the body, that attitude and ω are stated in."""
+        """The change in which the axes that attitude and ω are stated in are turned in the body."""
         omega = self.given.scene_start[4:]
 
         def turn_axes(h: Hypothesis, turn: FloatArray) -> Hypothesis:
@@ -85,7 +85,7 @@ class LogFit:
 
     @cached_property
     def late(self) -> Change:
-        """The change that takes each state at a time some seconds before its own."""
+        """The change in which each recorded state is that of some seconds before its time."""
         start = self.given.scene_start[None]
         rate = max(float(norms(start[:, 4:])[0]), self.given.base.equations.rate) or 1.0
         most = LATEST / rate
@@ -98,7 +98,7 @@ class LogFit:
 
     @cached_property
     def general(self) -> list[Change]:
-        """The changes that a measured motion usually calls for, with any parameters."""
+        """The changes that measured motions most often require."""
         equations = self.given.base.equations
         scene = self.scenario, equations
         found = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
@@ -110,8 +110,8 @@ class LogFit:
     def search(self) -> Search:
         """The search for changes that the samples require, with the noise before any fit.
 
-        Noise may hide that a tensor has other axes than those of special changes: they are left
-        out.
+        Special changes that fit the moments about given axes are left out, as noise may hide that
+        the tensor has other axes.
         """
         special = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
         special = [one for one in special if len(one.scales) <= MOST_PARAMETERS]
@@ -171,12 +171,15 @@ class LogFit:
 
     @cached_property
     def uneven_times(self) -> list[str]:
-        """The sentence that each state is the scene's at another time, within noise; often none."""
+        """The sentence that each state is, within noise, the scene's at another time; or none."""
         return uneven_times(self.given, self.search.unchanged.residuals)
 
     @cached_property
     def right_by_itself(self) -> list[str]:
-        """The sentence that attitude, ω, or each state at another time, is the scene's, if so."""
+        """The sentence that only attitude or ω, or each state at another time, is the scene's.
+
+        The list is empty if none of these is so.
+        """
         return self.uneven_times or right_by_itself(self.given, self.search.unchanged.residuals)
 
     @cached_property
@@ -205,7 +208,7 @@ class LogFit:
 
     @cached_property
     def freedom(self) -> int:
-        """The degrees of freedom: the number of residuals less that of parameters."""
+        """The degrees of freedom: the number of residuals less the number of fitted parameters."""
         return self.found.residuals.size - len(self.found.parameters)
 
     @cached_property
@@ -252,7 +255,7 @@ class LogFit:
     def is_required(self, change: Change) -> bool:
         """Whether the parameters of a change differ significantly from zero.
 
-        A change without parameters is required.
+        A change without parameters always counts as required.
         """
         if not len(change.scales):
             return True

@@ -65,7 +65,7 @@ class Measured(LogFit):
 
         Parameters
         ----------
-        but : a change that is not named
+        but : a change that is left out of the list; None to name all
         """
         if self.is_far or (self.is_beyond and self.right_by_itself):
             return self.right_by_itself

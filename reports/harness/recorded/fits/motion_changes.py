@@ -1,4 +1,4 @@
-"""The changes with which a recorded motion may have been computed or read, and their words."""
+"""The changes of equations or readings that may explain a recorded motion, and their words."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
 
 
 def _reversed_rate(axis: int) -> Change:
-    """The change in which one of Euler's equations, by its axis, gives ω' with the other sign."""
+    """The change in which Euler's equation about one axis gives ω' with the wrong sign."""
     sign = 1.0 - 2.0 * np.eye(3)[axis]
 
     def reverse(h: Hypothesis, _: FloatArray) -> Hypothesis:
@@ -36,7 +36,7 @@ def _reversed_rate(axis: int) -> Change:
 def _locked_axis(axis: int, *, is_set: bool) -> Change:
     """The change in which ω about a body axis is constant.
 
-    Either a hinge's torque keeps it, or it is set in each step.
+    Either the torque of a hinge keeps it constant, or, if `is_set`, it is set in each step.
     """
     kept = [i for i in range(3) if i != axis]
 
@@ -65,7 +65,7 @@ def changes_of_motion(scenario: Scenario) -> tuple[Change, ...]:
 
 
 def is_of_turning(change: Change) -> bool:
-    """Whether a change is one of how states are read, or of how the attitude follows ω."""
+    """Whether a change concerns how states are read, or how the attitude follows from ω."""
     return change in READINGS or KINDS[change.kind].is_kinematic
 
 

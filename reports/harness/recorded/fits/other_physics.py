@@ -1,8 +1,8 @@
 """Other physics that explain a recorded motion: a clamp, an integrator, changes of the equations.
 
 The recorded state at the end of each interval between samples is compared with the one that a
-hypothesis leads to from the recorded state at its start. Changes so show at any time, however far
-the recorded motion is from the exact one by then.
+hypothesis leads to from the recorded state at the interval's start. So a change shows at any time,
+however far the recorded motion is from the exact one by then.
 """
 
 from collections.abc import Sequence
@@ -37,8 +37,8 @@ NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
 #: A pair of changes is looked for if ω differs at the ends of intervals by more than this, relative
 #: to ω.
 LEAST_FOR_TWO = 1e-4
-#: By how many standard deviations of noise equations lead beyond a clamp's bound where that is
-#: certain.
+#: By how many standard deviations of noise the equations must lead beyond a clamp's bound for the
+#: clamp to be certain.
 CERTAIN = 6.0
 #: The most parameters of a fit whose residuals exceed a method's error.
 MOST_PARAMETERS = 3
@@ -65,11 +65,12 @@ class Physics:
     Attributes
     ----------
     motion, exact : the recorded motion, and the exact one at the same times
-    timestep : with which the motion was computed, s; if None, it is unknown, and the distance of
-        the samples is used
-    order : order of accuracy of the method that computed it
+    timestep : timestep with which the motion was computed, s; if None, it is unknown, and the time
+        between samples is used
+    order : order of accuracy of the method that computed the motion
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    reach : how many samples at either end have larger errors of ω, as it is computed from attitudes
+    reach : how many samples at either end have larger errors of ω, where ω is computed from
+        attitudes; 0 if it was recorded
     base : the hypothesis that changes are added to; the scene's equations if None
     """
 
@@ -101,12 +102,15 @@ class Physics:
 
     @property
     def is_beyond(self) -> bool:
-        """Whether the recording exceeds the error of a method of its order and timestep."""
+        """Whether the motion differs from the exact flow by more than noise and a method's error.
+
+        The method has the stated order and timestep.
+        """
         return self.search is not None and self.search.exceed_noise(self.search.unchanged.residuals)
 
     @cached_property
     def made_by(self) -> str:
-        """The known integrator that computed the motion of the scene's equations; or empty."""
+        """The known integrator that computed the motion with the equations of `base`; or empty."""
         if self.known is None:
             return ""
         base = self.known.intervals.base
@@ -131,12 +135,12 @@ class Physics:
 
     @cached_property
     def apparent_order(self) -> int:
-        """The order of the method, where the stated order and timestep explain less; or 0.
+        """The order of the method if its order is lower, or its timestep longer, than stated; or 0.
 
-        It is lower than the stated order; or the same, with a longer timestep than the stated one.
-        The leading errors of methods of that order explain the differences from the exact flow but
-        for the next term of their errors. Those of the stated order do not, and the residuals of no
-        change of the equations are far smaller.
+        If it equals the stated order, the timestep is longer than stated. The leading errors of
+        methods of that order explain the differences from the exact flow but for the next term of
+        these errors. Those of the stated order and timestep do not, and no change of the equations
+        has far smaller residuals.
         """
         if self.timestep is None or self.intervals is None or self.made_by:
             return 0
@@ -179,7 +183,7 @@ class Physics:
 
     @property
     def least_timestep(self) -> float:
-        """The shortest timestep, s, at which a method of the stated order may have such errors."""
+        """The shortest timestep, s, with which errors of the stated order are as large as found."""
         if self.intervals is None or self.search is None or self.timestep is None:
             return 0.0
         of_method = float(np.mean(self.intervals.of_method))
@@ -192,21 +196,21 @@ class Physics:
         return KnownIntegrators(self.intervals, self.timestep) if self.intervals else None
 
     def _integrator(self, hypothesis: Hypothesis) -> str:
-        """Return the known integrator that computed the motion of a hypothesis; or empty."""
+        """Return in words the known integrator that computed the motion if a hypothesis holds."""
         return self.known.that_made(hypothesis) if self.known else ""
 
     def after(self, found: Fit) -> "Physics":
-        """Return the same motion, with the changes of a fit as the base of further changes."""
+        """Return the same motion, with the changes of a fit made in `base`."""
         return replace(self, base=found.hypothesis)
 
     @cached_property
     def by_other_equations(self) -> Fit | None:
-        """The change that a known integrator computed the motion with, to rounding; or None.
+        """The change with which a known integrator gives the motion up to rounding; or None.
 
-        Parameters are fitted only if a timestep is stated, and the motion exceeds a method's error
-        or other changes were found before: the implicit damping of an unknown method looks like
-        another tensor. Nothing is looked for where samples are many steps apart: the method's error
-        is small there, and `found` has the changes alone.
+        Changes with parameters are tried only if a timestep is stated, and the motion exceeds a
+        method's error or other changes were found before: the implicit damping of an unknown method
+        looks like another tensor. Nothing is tried if samples are many steps apart: the method's
+        error is small then, and `found` shows changes without an integrator.
         """
         if self.search is None or self.made_by or self.known is None or not self.known.each:
             return None
@@ -230,16 +234,16 @@ class Physics:
     def is_of_method(self) -> bool:
         """Whether noise or the errors of methods explain the differences from the exact flow.
 
-        The leading errors explain them but for the next term. In a motion whose leading errors are
-        small, the next terms, which are fitted too, explain them.
+        The errors of methods of orders up to the stated one and one higher are fitted. What remains
+        is at most as large as the next term of a method's error.
         """
         return self._square_beside_methods < self.next_term**2
 
     @cached_property
     def _square_beside_methods(self) -> float:
-        """The mean square of the differences from the exact flow after a fit of methods' errors.
+        """The mean square of what a fit of methods' errors leaves of the differences `off`.
 
-        It is relative to the size of these differences, `off`; 0 if they are no more than noise.
+        It is relative to the square of `off`; 0 if these differences are no more than noise.
         """
         if self.intervals is None or self.is_of_noise:
             return 0.0
@@ -248,7 +252,7 @@ class Physics:
 
     @cached_property
     def off(self) -> FloatArray:
-        """The root mean squares of the differences from the exact flow, (2,).
+        """The root mean square differences from the exact flow of `base`, (2,).
 
         They are those of attitude, rad, and ω, rad/s, at the ends of the intervals.
         """
@@ -266,11 +270,11 @@ class Physics:
 
     @cached_property
     def of_exact_motion(self) -> Fit | None:
-        """The change whose exact flow leads from each sample to the next; None if there is none.
+        """The change, or pair, whose exact flow leads from each sample to the next; None if none.
 
         The residuals of such a change are at most `SAME` times the differences from the scene's
-        exact flow. Nothing is looked for where these may be a method's error. A change that fits so
-        well may have up to `MOST_OF_ALL` parameters.
+        exact flow. Nothing is tried if these differences may be a method's error. A change that
+        fits so well may have up to `MOST_OF_ALL` parameters.
         """
         if self.search is None or self.intervals is None or self.is_of_method:
             return None
@@ -314,14 +318,14 @@ class Physics:
 
     @property
     def dissipated(self) -> list[str]:
-        """The sentence that energy is lost within the body, if it is."""
+        """The sentence that energy is lost within the body; none if it is not."""
         return dissipated(self.scenario, self.motion)
 
     @property
     def by_change(self) -> Fit | None:
         """The changes that explain the motion; None if none do.
 
-        Of a motion within a method's error only changes are named that explain it exactly.
+        If the motion is within a method's error, only changes count that explain it exactly.
         """
         return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
 
@@ -334,16 +338,16 @@ class Physics:
 
     @property
     def _of_motion(self) -> list[Change]:
-        """The changes of `search` without those of reading and of kinematics that have parameters.
+        """The changes of `search`, but for fitted ones of readings and of kinematics.
 
-        About a steady axis the error of any method looks like one of those.
+        If a body turns about a steady axis, the error of any method looks like one of the latter.
         """
         changes = self.search.changes if self.search else ()
         return [one for one in changes if not (len(one.scales) and is_of_turning(one))]
 
     @property
     def _within_error(self) -> Fit | None:
-        """The changes that explain the residuals beside a method's error; None if none do."""
+        """The changes that explain what methods' errors leave of the residuals; None if none do."""
         if self.intervals is None or self.search is None:
             return None
         orders, every = range(1, self.order + 1), self._of_motion
@@ -352,7 +356,7 @@ class Physics:
 
     @cached_property
     def found(self) -> Fit | None:
-        """The change, or two, of equations or reading that explain the motion; None if none do."""
+        """The change, or pair of changes, that best explains the motion; None if none does."""
         if self.search is None or self.intervals is None:
             return None
         found = self.search.one_or_two()
@@ -365,7 +369,7 @@ class Physics:
         return other if other.mean_square < SAME**2 * residual_square else found
 
     def _is_partial(self, found: Fit) -> bool:
-        """Whether residuals of changes exceed a method's error, and are no known integrator's."""
+        """Whether the residuals of a fit exceed a method's error, and are no known integrator's."""
         if self.search is None or self.intervals is None:
             return False
         is_beyond = self.search.exceed_noise(found.residuals)
@@ -373,16 +377,16 @@ class Physics:
 
     @property
     def is_open(self) -> bool:
-        """Whether more than a method's error is unexplained by changes and methods."""
+        """Whether changes, clamps and integrators leave more than a method's error unexplained."""
         if not self.is_beyond or self.clamps or self.made_by or self.apparent_order:
             return False
         return self.found is None or self._is_partial(self.found)
 
     @property
     def is_unexplained(self) -> bool:
-        """Whether differences are unexplained, be they within a method's error.
+        """Whether differences from the exact flow are unexplained, even within a method's error.
 
-        Those within it are explained if they look like the error of a method.
+        Differences within that error are explained if they look like the error of a method.
         """
         if self.is_beyond or self.clamps or self.made_by:
             return self.is_open
@@ -390,27 +394,27 @@ class Physics:
 
     @property
     def is_all(self) -> bool:
-        """Whether changes explain all of the motion, from sample to sample."""
+        """Whether changes explain the motion from sample to sample to within noise."""
         return self.found is not None and self.after(self.found).is_of_noise
 
     @property
     def is_open_or_turning(self) -> bool:
-        """Whether `is_open`, or one of two changes is of reading or kinematics.
+        """Whether `is_open`, or whether one of two changes found concerns readings or kinematics.
 
-        Such a change may be a mistake in recording, beside the other change.
+        Such a change may be a mistake in recording instead, beside the other change.
         """
         changes = self.found.changes if self.found and not self.made_by else ()
         return self.is_open or (len(changes) > 1 and any(is_of_turning(one) for one in changes))
 
     @property
     def is_of_equations(self) -> bool:
-        """Whether changes of the equations explain the motion, and no change of reading."""
+        """Whether changes of the equations alone explain the motion, without any of readings."""
         found = None if self.clamps else self.by_change
         return found is not None and not {*READINGS} & {*found.changes}
 
     @property
     def is_of_reading(self) -> bool:
-        """Whether the changes that explain the motion are all of reading or kinematics."""
+        """Whether the changes that explain the motion all concern readings or kinematics."""
         changes = self.found.changes if self.found else ()
         return bool(changes) and all(is_of_turning(one) for one in changes)
 
@@ -422,7 +426,7 @@ class Physics:
         return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))
 
     def _in_words(self, found: Fit) -> list[str]:
-        """Return the sentences on changes, and on what explains their residuals."""
+        """Return the sentences on the changes of a fit, and on what explains its residuals."""
         words, rest = sentences(found), self.after(found)
         if rest.is_of_noise:
             return words
@@ -442,10 +446,10 @@ class Physics:
         return [*words, *rest._varying(self._of_motion)]
 
     def _of_lower_order(self, found: Fit) -> list[str]:
-        """Return the sentences on changes beside the errors of a method of lower order; often none.
+        """Return the sentences on changes, and on a method of lower order than stated; often none.
 
-        The order is lower than the stated one. Beside these errors the changes are fitted again, as
-        they have other parameters.
+        The changes of a fit are fitted again, together with the errors of methods of each lower
+        order, until these together explain the motion.
         """
         if self.intervals is None or self.timestep is None:
             return []
@@ -456,9 +460,13 @@ class Physics:
         return []
 
     def _unexplained(self, rest: FloatArray) -> list[str]:
-        """Return the sentence that residuals, in units of their scale, are not explained.
+        """Return the sentence that a part of the difference is unexplained.
 
-        The list is empty if noise and a method's error explain them.
+        The list is empty if noise and a method's error explain the residuals.
+
+        Parameters
+        ----------
+        rest : the residuals, in units of the intervals' scale, of any shape
         """
         if self.search is None or not self.search.exceed_noise(rest):
             return []

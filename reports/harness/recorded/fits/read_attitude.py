@@ -1,7 +1,7 @@
-"""Finds how a recorded attitude was computed, where the recorded ω alone is the exact motion's.
+"""Finds how a recorded attitude was computed, if only the recorded ω is the exact motion's.
 
-No method integrates ω exactly and the attitude wrongly. So the attitude was filtered, interpolated
-or recorded otherwise.
+As no method integrates ω exactly and the attitude wrongly, the attitude was filtered, interpolated
+or recorded in another way.
 """
 
 from collections.abc import Iterator
@@ -22,9 +22,10 @@ MOST_BETWEEN = 60
 
 
 def attitude_read(motion: Trajectory, exact: Trajectory) -> list[str]:
-    """Return how the attitude was computed, in words; nothing if ω is not the exact motion's.
+    """Return in words how a wrong attitude was computed, if the recorded ω is right.
 
-    Both motions have the same times.
+    The list is empty if ω is wrong, too, or if no known way explains the attitude. Both motions
+    have the same times.
     """
     if len(motion.t) < FEWEST or not is_attitude_off(motion, exact):
         return []
@@ -39,7 +40,7 @@ def attitude_read(motion: Trajectory, exact: Trajectory) -> list[str]:
 def _explanations(
     t: FloatArray, q: FloatArray, q_exact: FloatArray
 ) -> Iterator[tuple[str, FloatArray]]:
-    """Yield ways to compute attitudes from the exact ones, in words, and the attitudes computed.
+    """Yield ways to compute attitudes from exact ones, in words, and the results, (n, 4).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Finds how a recorded ω was computed from the body's, where the attitudes alone obey equations.
+"""Finds how a recorded ω was computed from the body's, if only the attitudes obey the equations.
 
 The equations of motion lead from one attitude to the next with one ω only: the body's. The recorded
 ω may be the body's after a clamp, a linear filter or a sensor's errors.
@@ -25,10 +25,10 @@ from ..samples.sensors import CROSS_AXIS, OF_LOGS, as_read
 from .motion_changes import sentences
 from .other_physics import Physics
 
-#: Newton steps to the ω that leads to the next attitude, and the relative step of the differences
-#: that their Jacobian is taken from.
+#: Number of Newton steps to the ω that leads to the next attitude, and relative step of the finite
+#: differences for the Jacobian.
 STEPS, SMALL = 4, 1e-6
-#: Largest order of a filter's feedback, and largest number of samples of the body's ω it weighs.
+#: Largest number of earlier outputs, and of samples of the body's ω, that a filter weighs.
 OUTPUTS, INPUTS = 2, 5
 #: Length of the impulse response that is computed of a filter, in samples.
 WEIGHTS = 200
@@ -74,8 +74,8 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
 
     Returns
     -------
-    An empty list if the attitudes do not obey the equations or are too far apart, or if ω is that
-    of the attitudes
+    An empty list if the attitudes do not obey the equations or are too far apart, or if the
+    recorded ω is that of the attitudes
     """
     motion = physics.motion
     turns = norms(physics.exact.omega_body)[:-1] * np.diff(motion.t)
@@ -156,13 +156,13 @@ def _omega_between(
 
 
 def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[str]]:
-    """Yield each clamp, in words, that leads from the body's ω to the recorded one.
+    """Yield each clamp, as a list of one sentence, that makes the recorded ω of the body's.
 
     Parameters
     ----------
-    body : q and the body's ω, (n, 7)
+    body : q, scalar first, and the body's ω, rad/s, body axes, (n, 7)
     read : the recorded ω, rad/s, (n, 3)
-    error : of the body's ω, rad/s
+    error : error of the body's ω, rad/s
     """
     for words, size_of, limited in CLAMPS:
         bound = float(size_of(np.hstack([body[:, :4], read])).max())
@@ -175,7 +175,7 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
 
 
 def _differences(motion: Trajectory) -> list[str]:
-    """Return which difference of the recorded attitudes ω is, in words; nothing if it is none."""
+    """Return, in words, from which two attitudes ω was computed as a mean rate; empty if not so."""
     t, q, omega = motion.t, motion.q_world_body_wxyz, motion.omega_body
     rates = rotation_vectors(q[:-1], q[1:]) / np.diff(t)[:, None]
     least = LEFT**2 * float(norms(np.diff(rates, axis=0)).max())
@@ -191,7 +191,7 @@ def _differences(motion: Trajectory) -> list[str]:
 
 
 def _sensor_error(data: ReadOmega) -> list[str]:
-    """Return the gyroscope's error that leads from the body's ω to the recorded one, in words."""
+    """Return in words the gyroscope's error that leads from the body's ω to the recorded one."""
     found = Search(data, (*OF_LOGS, CROSS_AXIS), part=LEFT**2).one()
     return sentences(found) if found else []
 
@@ -199,16 +199,16 @@ def _sensor_error(data: ReadOmega) -> list[str]:
 def _smoothed_or_filtered(
     t: FloatArray, body: FloatArray, read: FloatArray, error: float
 ) -> list[str]:
-    """Return which mean, or filter, of the body's ω the recorded one is, in words.
+    """Return in words which moving mean, or linear filter, of the body's ω the recorded one is.
 
-    A mean is simpler: a filter is preferred if its residuals are far smaller, and those of the mean
-    exceed rounding.
+    A mean is simpler: a filter is preferred only if its residuals are far smaller, and those of the
+    mean exceed rounding.
 
     Parameters
     ----------
     t : s, (n,)
     body, read : the body's ω and the recorded one, rad/s, (n, 3)
-    error : of the body's ω, rad/s
+    error : error of the body's ω, rad/s
     """
     deviation = float(np.mean((read - body) ** 2))
     mean, filter_ = (f(t, body, read, error) for f in (_smoothed, _filtered))
@@ -221,13 +221,13 @@ def _smoothed_or_filtered(
 def _smoothed(
     t: FloatArray, body: FloatArray, read: FloatArray, error: float
 ) -> tuple[float, str] | None:
-    """Return the mean over the fewest samples that explains the recorded ω.
+    """Return the moving mean over the fewest samples that explains the recorded ω.
 
     The arguments are those of `_smoothed_or_filtered`.
 
     Returns
     -------
-    The mean square of its residuals, (rad/s)², and its words; None if no mean explains ω
+    The mean square of the residuals, (rad/s)², and the mean in words; None if none explains ω
     """
     deviation = float(np.mean((read - body) ** 2))
     for samples in range(2, min(MOST_SMOOTHED, len(read) // 2)):
@@ -248,7 +248,8 @@ class Filter:
 
     Attributes
     ----------
-    residual : the mean square of its residuals, (rad/s)²
+    outputs, inputs : weights of earlier outputs, and of the body's ω
+    residual : the mean square of the residuals of the filter, (rad/s)²
     """
 
     outputs: FloatArray
@@ -264,7 +265,7 @@ class Filter:
 
     @property
     def is_causal(self) -> bool:
-        """Whether it is a delay, stable, and a weighted mean, as filters of sensors are.
+        """Whether the filter delays, is stable, and has positive weights, as filters of sensors do.
 
         The impulse response of a filter that overshoots may be somewhat below zero.
         """
@@ -290,9 +291,9 @@ class Filter:
 def _filtered(
     t: FloatArray, body: FloatArray, read: FloatArray, error: float
 ) -> tuple[float, str] | None:
-    """Return the filter with the fewest parameters that explains the recorded ω.
+    """Return the linear filter with the fewest parameters that explains the recorded ω.
 
-    Arguments and results are those of `_smoothed`.
+    Arguments and results are those of `_smoothed`, for a filter in place of a mean.
     """
     spans = np.diff(t)
     if np.ptp(spans) > EQUAL * spans.mean():

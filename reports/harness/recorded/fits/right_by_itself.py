@@ -1,4 +1,4 @@
-"""Finds logs of which only the attitudes, only ω, or the states at other times, are the scene's."""
+"""Finds logs in which only the attitudes, only ω, or each state at another time, is the scene's."""
 
 import numpy as np
 from scipy.special import chdtrc, chdtri
@@ -13,7 +13,7 @@ from ..samples.digits import where
 from ..samples.intervals import apart
 from .log import Log
 
-#: Step of the difference that rates of change are taken from, in sampling periods.
+#: Step of the finite difference for rates of change, in sampling periods.
 SMALL = 1e-3
 #: Largest scatter of the rates at which a gyroscope saturates, in standard deviations of noise.
 SATURATED = 2.0
@@ -23,7 +23,7 @@ OMEGA_ALONE = "ω is that of the scene, but the attitudes are not"
 
 
 def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
-    """Return the sentence that each state is the scene's at another time, within noise, if it is.
+    """Return the sentence that each state is, within noise, the scene's at another time; or none.
 
     The time of each state is fitted to first order. If noise is not stated, nearly all of the
     residuals must be along the motion.

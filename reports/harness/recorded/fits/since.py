@@ -1,4 +1,4 @@
-"""Finds the time at which a motion changes: until then it is the scene's, and then it obeys a law.
+"""Finds the time of a sudden change: before it a motion is the scene's, after it it obeys a law.
 
 Examples are a boom that unfolds, a thruster that stops, an impact, or a sensor that is knocked out
 of place.
@@ -27,12 +27,12 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     """Return when a motion with noise changes, and to which law, in words; often nothing.
 
     The motion is the exact one until χ² of its errors exceeds noise. A law is fitted to the samples
-    after that, and its motion is followed back to where it meets the exact motion. If it does not
-    meet it, the motion jumps.
+    after that, and its motion is followed back to where it meets the exact motion. If the two do
+    not meet, the motion jumps.
 
     Parameters
     ----------
-    fit : of all samples
+    fit : the fit to all samples
     motion, exact : the recorded and the exact motion, at the same times
     """
     scenario, log = fit.scenario, fit.given
@@ -72,15 +72,16 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
 
 
 class Since(NamedTuple):
-    """The change of a motion that is the exact one until then.
+    """A sudden change of a motion that is the exact one before it.
 
     Attributes
     ----------
-    last, first : indices of the last sample that is the exact motion's, and of the one that the
-        later motion is followed from; these are equal if ω was recorded
+    last, first : index of the last sample that is the exact motion's, and of the sample with which
+        the later motion begins; these are equal if ω was recorded
     is_method : whether the motion has a method's error before the change; else it is exact but for
         rounding
-    off : the largest gains of attitude, rad, and ω, rad/s, in an interval after it, (2,)
+    off : the largest differences of attitude, rad, and ω, rad/s, from the exact flow over an
+        interval after the change, (2,)
     """
 
     last: int
@@ -90,15 +91,16 @@ class Since(NamedTuple):
 
 
 def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | None:
-    """Return the sudden change of an exact motion without noise; None if there is none.
+    """Return the sudden change of a motion without noise; None if there is none.
 
-    It shows in the gains from sample to sample, which are rounding, or a method's error, before it.
+    Before the change, the differences from the exact flow over each interval are within rounding,
+    or within a method's error; at the change they become far larger at once.
 
     Parameters
     ----------
     data : all intervals of the motion
     least : bounds of the rounding of attitude, rad, and ω, rad/s, (2,)
-    reach : how many samples on each side ω is computed from
+    reach : number of samples on each side from which ω is computed; 0 if it was recorded
     """
     off = norms(data.apart(data.base.equations).reshape(-1, 3)).reshape(-1, 2)
     inner = slice(reach, len(off) - reach)

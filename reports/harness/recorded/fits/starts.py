@@ -24,8 +24,8 @@ CONVENTIONS = ("ZYX", "XYZ", "ZXZ", "ZXY", "YXZ", "zyx", "xyz", "zyz")
 def elsewhere(physics: Physics) -> list[str]:
     """Return how the first sample differs from the exact motion, in words.
 
-    Its deviation is compared with the gains from sample to sample by an F-test, and with a bound of
-    the method's error since the scene's start.
+    The deviation is compared, by an F-test, with the deviations from the exact flow over later
+    intervals, and with a bound of the method's error since the scene's start.
 
     Returns
     -------
@@ -52,12 +52,12 @@ def elsewhere(physics: Physics) -> list[str]:
 
 
 def _at_another_time(scenario: Scenario, start: FloatArray, deviations: FloatArray) -> str:
-    """Return in words that ω at the first sample is that of another time; else empty.
+    """Return in words that ω at the first sample is that of another time; empty if it is not.
 
     Parameters
     ----------
-    start : the exact state at the first sample, (1, 7)
-    deviations : of the recorded attitude, rad, and ω, rad/s, from it, (2, 3)
+    start : the exact state at the first sample, q and ω, (1, 7)
+    deviations : those of the recorded attitude, rad, and ω, rad/s, from that state, (2, 3)
     """
     equations = as_it_is(scenario).equations
     rate = max(equations.rate, float(norms(start[:, 4:])[0]))
@@ -80,11 +80,11 @@ def _at_another_time(scenario: Scenario, start: FloatArray, deviations: FloatArr
 
 
 def started_elsewhere(at: float, deviations: Sequence[float] | FloatArray) -> str:
-    """Return in words the deviations of attitude, rad, and ω, rad/s, at a time, s.
+    """Return in words by how much attitude and ω deviate at a time, s.
 
     Parameters
     ----------
-    deviations : their sizes, (2,)
+    deviations : sizes of the deviations of attitude, rad, and ω, rad/s, (2,)
     """
     turned, faster = (0.0 if size < FITS else float(size) for size in deviations)
     return (
@@ -116,7 +116,7 @@ def _misread_start(scenario: Scenario, first: FloatArray) -> str:
 
 
 def _attitudes(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the start's attitude, scalar first, (4,), as it is and misread, with its words."""
+    """Yield a scene's first attitude, scalar first, (4,), as it is and misread, after its words."""
     q_wxyz, angles = scenario.start.q_world_body_wxyz, scenario.document.start.euler_zyz_deg
     yield "", q_wxyz
     yield "its attitude is that of the world in the body", conjugate(q_wxyz)
@@ -131,7 +131,7 @@ def _attitudes(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _rates(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the start's ω, rad/s, body axes, (3,), as it is and misread, with its words."""
+    """Yield a scene's first ω, rad/s, body axes, (3,), as it is and misread, after its words."""
     omega, R_world_body = scenario.start.omega_body, matrix(scenario.start.q_world_body_wxyz)
     yield "", omega
     yield "its ω along world axes is taken to be along body axes", R_world_body @ omega

@@ -1,4 +1,4 @@
-"""Whether a parameter of the equations changes in time, as where a torque comes late.
+"""Finds a parameter of the equations that changes in time, as that of a torque that comes late.
 
 The parameter is fitted to each interval of a recording by itself.
 """
@@ -16,10 +16,10 @@ from ...explaining.hypothesis import Change
 from ...explaining.search import LEFT, SAME, SIGNIFICANCE, largest_of_noise
 from ..samples.intervals import Intervals
 
-#: Steps of a fit, and the step of a scaled parameter for a finite difference.
+#: Number of iterations of a fit, and the step of a scaled parameter for a finite difference.
 STEPS, SMALL = 3, 1e-5
-#: Changes are fitted further if one step reduces the residuals to this fraction; and how many may
-#: explain the same motion, at most, for them to be named.
+#: Changes are fitted further if an iteration reduces the mean square of the residuals to this
+#: fraction; and the most changes that may explain a motion equally well for them to be named.
 PROMISING, MOST_ALIKE = 0.5, 2
 #: Least correlation of ranks with time at which a parameter is said to be monotonic.
 ONE_WAY = 0.9
@@ -28,7 +28,10 @@ OWN = 1e-3
 
 
 class Varying(NamedTuple):
-    """A parameter that changes in time, in words, and the residuals with it, (S, 6)."""
+    """A parameter that changes in time, in words, and the residuals with it, (S, 6).
+
+    The residuals are in units of the intervals' scale.
+    """
 
     words: str
     rest: FloatArray
@@ -39,7 +42,7 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
 
     Parameters
     ----------
-    changes : with one parameter or more each; those with one are tried
+    changes : only those with one parameter are tried
     among : how many changes have been tried before, for Bonferroni's correction
     """
     single = [one for one in changes if len(one.scales) == 1]
@@ -70,11 +73,11 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
 def _fit(
     data: Intervals, parts: Sequence[Intervals], change: Change, unchanged: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Fit the parameter of a change to each interval.
+    """Fit the parameter of a change to each interval by itself.
 
     Parameters
     ----------
-    parts : the intervals one by one, S
+    parts : the S intervals of `data`, one by one
     unchanged : the residuals without the change, (S, 6)
 
     Returns
@@ -104,7 +107,7 @@ def _residuals(parts: Sequence[Intervals], change: Change, numbers: FloatArray) 
 
 
 def _clip(residuals: FloatArray) -> FloatArray:
-    """Return residuals, with `NOT_FINITE` in place of what is larger or not finite."""
+    """Return residuals, limited to ± `NOT_FINITE`, which also stands for nan."""
     return np.clip(np.nan_to_num(residuals, nan=NOT_FINITE), -NOT_FINITE, NOT_FINITE)
 
 

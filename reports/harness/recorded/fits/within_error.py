@@ -1,7 +1,7 @@
-"""Changes that explain a motion beside methods' errors, which may be as large as the difference.
+"""Finds changes that explain a motion together with a method's error, however large the latter.
 
-A method's error is spanned by elementary differentials (`leading_error.py`), but for the next term
-of its series. The residuals beside them are compared with that term alone.
+A method's error is a combination of elementary differentials (`leading_error.py`), but for the next
+term of its series. What these leave of the residuals is compared with that term alone.
 """
 
 from collections.abc import Sequence
@@ -17,8 +17,8 @@ from ..samples.intervals import Intervals, root_mean_squares
 from ..samples.mistakes import FITS
 from .leading_error import LARGEST, leading_errors
 
-#: By this factor the errors of methods may be larger, beside changes, than was assumed. Without
-#: changes these errors are fitted to the effect of the changes, too.
+#: Factor by which the errors of methods, as fitted after changes are made, may exceed the size that
+#: was assumed to find the changes.
 ROOM = 2.0
 
 
@@ -29,7 +29,8 @@ class BesideMethods(Data):
     Attributes
     ----------
     directions : orthonormal columns that span these errors, (6 S, n)
-    sizes : standard deviations of the errors along each, in units of the intervals' scale, (n,)
+    sizes : standard deviations of the errors along each column, in units of the intervals' scale,
+        (n,)
     """
 
     intervals: Intervals
@@ -42,7 +43,7 @@ class BesideMethods(Data):
 
         Parameters
         ----------
-        errors : with coefficients of one, rad and rad/s, (k, S, 6)
+        errors : the errors with coefficients of one, rad and rad/s, (k, S, 6)
         """
         columns = (LARGEST * errors / intervals.scale).reshape(len(errors), -1).T
         directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
@@ -50,7 +51,7 @@ class BesideMethods(Data):
 
     @property
     def correlated(self) -> float:
-        """As in `Data`: the residuals that the next term of a method's error makes count as one."""
+        """As in `Data`: residuals by the next term of a method's error count as one."""
         return self.intervals.correlated
 
     def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
@@ -69,12 +70,13 @@ def within_error(
     timestep: float | None,
     next_term: float,
 ) -> Fit | None:
-    """Return the change, or two, that explain the residuals beside methods' errors; or None.
+    """Return the change, or pair, that explains what methods' errors leave of residuals; or None.
 
     Parameters
     ----------
     most : the most parameters of a fit
-    orders, timestep : of the methods that may have computed the motion; s, None if unknown
+    orders, timestep : orders of the methods that may have computed the motion, and their timestep,
+        s; None if unknown
     next_term : the next term of a method's error, relative to the leading one
     """
     errors = leading_errors(data, orders, timestep)
@@ -90,7 +92,7 @@ def within_error(
 def refitted(
     data: Intervals, found: Fit, order: int, timestep: float | None, next_term: float
 ) -> Fit | None:
-    """Return changes that are fitted again beside the errors of methods of an order.
+    """Return a fit of the same changes together with the errors of methods of an order.
 
     Parameters
     ----------
@@ -117,16 +119,18 @@ def _beside(
     next_term: float,
     size: FloatArray,
 ) -> tuple[Fit | None, FloatArray]:
-    """Return the change, or two, that explain the residuals beside methods' errors, and their size.
+    """Return the change, or pair, that explains what methods' errors of some size leave.
 
     Parameters
     ----------
-    size : of methods' errors without any change, rad and rad/s, (2,). If with some change they are
-        far smaller, that smaller size is used
+    errors : the errors with coefficients of one, rad and rad/s, (k, S, 6)
+    most, next_term : as in `within_error`
+    size : size of methods' errors if there is no change, rad and rad/s, (2,). If these errors are
+        far smaller with some change, that smaller size is used
 
     Returns
     -------
-    The fit, None if no change explains them, and the size, (2,)
+    The fit, None if no change explains the residuals, and the size that was used, (2,)
     """
     while True:
         with_next_term = data.with_error(np.maximum(next_term * size, FITS))
@@ -147,8 +151,8 @@ def _beside(
 def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> list[FloatArray]:
     """Return the sizes that the errors of methods may have, rad and rad/s, (2,) each.
 
-    These are the size without any change, the least with any change, and the geometric mean of
-    both.
+    These are the size without any change, the geometric mean of the other two, and the least size
+    with any change.
     """
     most = _fitted_size(data, errors, data.deviations([data.base]))
     units = np.maximum(most, FITS)
@@ -163,13 +167,13 @@ def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> li
 def _fitted_size(
     data: Intervals, errors: FloatArray, deviation: FloatArray, others: FloatArray | None = None
 ) -> FloatArray:
-    """Return the size of methods' errors in a fit to residuals, rad and rad/s, (2,).
+    """Return the size of methods' errors when these are fitted to residuals, rad and rad/s, (2,).
 
     Parameters
     ----------
-    errors : of methods, with coefficients of one, rad and rad/s, (k, S, 6)
-    deviation : the residuals, in units of the intervals' scale, of 6 S numbers
-    others : what else is fitted to them, rad and rad/s, (m, S, 6)
+    errors : errors of methods with coefficients of one, rad and rad/s, (k, S, 6)
+    deviation : the residuals, in units of the intervals' scale, 6 S numbers
+    others : further columns that are fitted to the residuals, rad and rad/s, (m, S, 6)
     """
     every = errors if others is None else np.concatenate([errors, others])
     columns = (every / data.scale).reshape(len(every), -1).T

@@ -21,11 +21,11 @@ OF_DIFFERENCES = {1: 70.0, 2: 40.0}
 ALTERNATES = 1.4
 #: Size of the fourth differences of what alternates between ± 1.
 ALTERNATING = 16.0
-#: The factor by which noise exceeds the bound of the rounding of printed numbers, if it is more
-#: than that rounding: the standard deviation of rounding is some fifty times smaller.
+#: The factor by which noise must exceed the bound of the rounding of printed numbers to be more
+#: than that rounding, whose standard deviation is some fifty times smaller than the bound.
 PRINTED = 2.0
-#: The factor by which what alternates without being noise exceeds the least noise: the rounding
-#: errors of single precision alternate, too.
+#: The factor by which an alternation that is no noise must exceed the least noise to be named: the
+#: rounding errors of single precision alternate, too.
 CLEARLY = 25.0
 #: The least noise of what is measured, rad, and relative to the fastest rate: what is less is the
 #: error of an integrator, or of its interpolation.
@@ -44,10 +44,10 @@ class Alternation:
     ----------
     every, every_second : root mean squares of third and of fourth differences of attitude, rad, and
         ω, rad/s, of every sample or of every second one, (2, 2)
-    throughout : whether most samples have a share in the fourth differences, so that these are not
-        due to a single jump, of attitude and ω, (2,)
-    least : least size of noise, beyond rounding and an integrator's interpolation, rad and rad/s,
-        (2,)
+    throughout : whether most samples contribute to the fourth differences, so that these are not
+        due to a single jump, for attitude and for ω, (2,)
+    least : least size that counts as noise, above rounding and the error of an integrator's
+        interpolation, rad and rad/s, (2,)
     """
 
     every: FloatArray
@@ -68,7 +68,7 @@ class Alternation:
 
     @property
     def of_omega(self) -> list[str]:
-        """The sentence that ω alternates without noise, if it does."""
+        """The sentence that ω alternates though it has no noise; none if it does not."""
         alternates = self._alternates(self.every, 1)[1] and self.throughout[1]
         if not alternates or self.is_noise[1] or self.noise[1] < CLEARLY * self.least[1]:
             return []
@@ -84,7 +84,7 @@ class Alternation:
         Parameters
         ----------
         differences : `every` or `every_second`
-        lag : 1 or 2 samples
+        lag : the lag of these differences: 1 or 2 samples
         """
         third, fourth = differences
         is_more = fourth > self.least * np.sqrt(OF_DIFFERENCES[lag])

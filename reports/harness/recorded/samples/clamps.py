@@ -17,7 +17,7 @@ from .intervals import states_of
 CLAMPED, FEWEST, FEW = 1e-2, 3, 12
 #: Relative error of a bound by rounding, and how far beyond a bound, relative, equations must lead.
 ROUNDING, BEYOND = 1e-9, 1e-3
-#: Slowest turn of a body, rad/s.
+#: Smallest rate, rad/s, and smallest sum of squares, that is used as a divisor.
 TINY = 1e-300
 
 
@@ -66,10 +66,10 @@ class Clamp(NamedTuple):
 def clamps(
     scenario: Scenario, motion: Trajectory, exact: Trajectory, of_method: float, of_noise: float
 ) -> Iterator[Clamp]:
-    """Yield clamps of ω that lead from the exact start, and each sample, to the next.
+    """Yield clamps of ω with which the scene's equations lead from sample to sample.
 
-    A clamp is also found where ω stays at a bound, to rounding, and the scene's equations lead
-    beyond it, whatever else is wrong.
+    The first sample is replaced by the exact start. A clamp is also found if ω stays at a bound, up
+    to rounding, beyond which the scene's equations lead, whatever else is wrong.
 
     Parameters
     ----------
@@ -109,12 +109,13 @@ def clamps(
 
 
 def _fits(omega: FloatArray, clamped: FloatArray, unclamped: FloatArray, least: float) -> bool:
-    """Whether recorded ω is the clamped one, and that differs from the unclamped one.
+    """Whether the recorded ω is the clamped one, which differs from the unclamped one.
 
     Parameters
     ----------
-    omega, clamped, unclamped : at the ends of intervals, rad/s, (S, 3)
-    least : how far clamped and unclamped ω must differ, rad/s, if that is less than a part of ω
+    omega, clamped, unclamped : recorded and computed ω at the ends of intervals, rad/s, (S, 3)
+    least : how far clamped and unclamped ω must differ, rad/s, but at most `CLAMPED` of the
+        largest ‖ω‖
     """
     size = float(norms(unclamped).max())
     deviation, changed = (float(norms(one - clamped).max()) for one in (omega, unclamped))

@@ -6,14 +6,14 @@ from .....scenarios import FloatArray
 from ...explaining.search import LEFT
 from .digits import CHANGES, Numbers, Shown, runs, where
 
-#: Least number of samples for which a column is stuck. It is more than the samples that are filled
-#: up with the last one where ω is up to five samples older or newer than the attitude.
+#: Least number of samples for which a column is stuck. More than five, as an ω that is up to five
+#: samples older or newer than the attitude is filled up with equal samples at one end.
 FEWEST = 7
-#: By which fraction of the largest rate that a gyroscope reads the body must turn faster, on
-#: average, and by how many standard errors of that average.
+#: How much faster than the largest rate that a gyroscope reads the body must turn on average: by
+#: this fraction of that rate, and by this number of standard errors of the average.
 FASTER, CERTAIN = 1e-2, 6.0
-#: The words for a gyroscope that saturates, in which components, at a rate in rad/s and °/s; and
-#: for all components.
+#: The words for a gyroscope that saturates, to which the components and the rate in rad/s and in
+#: °/s are added; and the words for all components.
 SATURATES = "the gyroscope saturates: {} is clamped to {:.6g} rad/s ({:.4g} °/s)"
 EACH = "each component of ω"
 
@@ -21,8 +21,8 @@ EACH = "each component of ω"
 def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Return the finding that a column of ω is stuck for some samples; None if none is.
 
-    Its numbers stay the same, though the attitudes show that component of ω change. A column is not
-    stuck at the largest value that any has: a clamp keeps it there.
+    A stuck column stays the same, though the attitudes show that this component of ω changes. A
+    column that stays at the largest value of all columns is not stuck, but clamped.
 
     Parameters
     ----------
@@ -57,8 +57,8 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
 def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Return the finding that a gyroscope saturates; None if it does not.
 
-    Then ω stays at its largest value while the attitudes turn faster. If the body's own rate were
-    limited the attitudes would turn no faster.
+    If it does, ω stays at its largest value while the attitudes turn faster. If the body's own rate
+    were limited, the attitudes would turn no faster.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
 
     Parameters
     ----------
-    which : the columns in words
+    which, columns : the columns, in words and as a slice
     """
     some = omega[:, columns]
     bound = float(np.abs(some).max())

@@ -29,21 +29,22 @@ COARSE = 128
 ROUNDING_ERROR = 1 / np.sqrt(12)
 #: Most numbers whose digits are counted, spread over all.
 MOST_COUNTED = 1000
-#: Digits that the three smaller components are compared by, the least unit that they are rounded
-#: to, and the tolerance of multiples of it.
+#: For the three smaller components of a quaternion: digits to which they are compared, the least
+#: unit of rounding that is recognised, and the tolerance of multiples of that unit.
 DIGITS, FINEST, NEAR = 6, 1e-4, 0.1
 Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
 class Numbers:
-    """The columns of a recording, and of the exact motion, as they were recorded.
+    """The columns of a recording as in its file, beside the exact motion.
 
     Attributes
     ----------
     t : s, (n,)
     q, omega : as in the file, (n, 4) and, rad/s, (n, 3); `omega` is None if it was not recorded
-    q_exact, omega_exact : the exact motion, scalar first, and ω in the axes that the file states
+    q_exact, omega_exact : the exact attitude, scalar first, (n, 4), and the exact ω in the axes
+        that the file states, rad/s, (n, 3)
     rates : mean ω from each sample to the next by the attitudes, in those axes, rad/s, (n - 1, 3)
     """
 
@@ -80,7 +81,10 @@ class Numbers:
 
     @cached_property
     def turns(self) -> Flags:
-        """Whether the body should turn, and does by the ω of the earlier sample, (n - 1,)."""
+        """Whether the body turns from each sample to the next, (n - 1,).
+
+        It turns if both the exact motion and the ω of the earlier sample say so.
+        """
         least = 2 * CHANGES * self.resolution_q
         speeds = norms(self.omega_exact if self.omega is None else self.omega)[:-1]
         return self.should_turn & (speeds * self.spans > least)
@@ -104,11 +108,11 @@ class Shown:
 
     Attributes
     ----------
-    words : a sentence
-    wrong : indices of the samples that it is about; the others may be explained, (k,)
-    rounding : standard deviations of attitude, rad, and ω, rad/s, if the numbers are rounded
-        coarsely
-    mended : all samples without the mistake, if it can be mended
+    words : a sentence on the finding
+    wrong : indices of the samples that are wrong, (k,); the others may be explained by physics
+    rounding : standard deviations of the errors of attitude, rad, and ω, rad/s, by coarse rounding;
+        0 without it
+    mended : all samples with the mistake corrected; None if it cannot be
     """
 
     words: str
@@ -150,7 +154,7 @@ def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
 
 
 def shown_by_digits(numbers: Numbers) -> list[Shown]:
-    """Return all findings that are certain by digits alone."""
+    """Return the findings of repeated numbers, coarse rounding, and an ω that is exactly zero."""
     found = [_still(numbers) or _stale(numbers), _rounded_attitude(numbers)]
     if numbers.omega is not None:
         found += [_zeros(numbers, numbers.omega), _rounded_omega(numbers, numbers.omega)]
@@ -158,12 +162,12 @@ def shown_by_digits(numbers: Numbers) -> list[Shown]:
 
 
 def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
-    """Return how many samples there are, and the first and last of their times, in words.
+    """Return in words how many samples are concerned, and the first and last of their times.
 
     Parameters
     ----------
     t : times of all samples, s, (n,)
-    samples : indices, (k,)
+    samples : indices of those concerned, (k,)
     """
     first, last = t[samples[[0, -1]]]
     if len(samples) == 1:
@@ -172,20 +176,26 @@ def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
 
 
 def runs(flags: Flags) -> list[tuple[int, int]]:
-    """Return the first and last sample of each run of samples that are flagged.
+    """Return the indices of the first and last sample of each run of flagged samples.
 
-    The first sample of a run is the one before the first flag.
+    As flags compare samples with the ones before them, a run begins one sample before its first
+    flag.
 
     Parameters
     ----------
-    flags : of each sample but the first, (n - 1,)
+    flags : flags of all samples but the first, (n - 1,)
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[0], flags, [0]])))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def _still(numbers: Numbers) -> Shown | None:
-    """Return the finding that rows repeat those before, or that the body falls asleep; or None."""
+    """Return the finding that rows repeat those before, or that the engine puts the body to sleep.
+
+    Returns
+    -------
+    None if neither is so
+    """
     t, count = numbers.t, len(numbers.t)
     same = numbers.same_q & numbers.same_omega
     omega = numbers.omega
@@ -215,7 +225,7 @@ def _still(numbers: Numbers) -> Shown | None:
 
 
 def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
-    """Return the finding that samples a to b are the same."""
+    """Return the finding that samples a to b are the same, and whether the later ones are late."""
     t, q = numbers.t, numbers.q / norms(numbers.q)[:, None]
     samples = "1 sample" if b == a + 1 else f"{b - a} samples"
     if b == len(t) - 1:
@@ -249,7 +259,7 @@ def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
 
 
 def _stale(numbers: Numbers) -> Shown | None:
-    """Return the finding that the attitude repeats the one before, though ω goes on; or None."""
+    """Return the finding that attitudes repeat the one before, though ω changes; None if not so."""
     if numbers.omega is None:
         return None
     flags = numbers.same_q & ~numbers.same_omega & numbers.turns
@@ -274,7 +284,10 @@ def _stale(numbers: Numbers) -> Shown | None:
 
 
 def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Return the finding that ω is exactly zero, though attitude and exact motion turn; or None."""
+    """Return the finding that ω is exactly zero, though the body turns; None if it never is.
+
+    The body turns if both the recorded attitude and the exact motion do.
+    """
     is_zero = ~omega.any(axis=1)
     turned_since = ~numbers.same_q & numbers.should_turn
     around = np.concatenate([[False], turned_since]) & np.concatenate([turned_since, [True]])
@@ -309,10 +322,10 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
 
 
 def _unit_of_three(q: FloatArray) -> float:
-    """Return the unit whose multiples are the distances of the three smaller components.
+    """Return the unit to which the three smaller components of quaternions, (n, 4), are rounded.
 
-    It is 0 if there is none. The largest component follows from the others, as where the smallest
-    three are stored in so many bits each.
+    The differences of these components are multiples of it; it is 0 if there is no such unit.
+    Compressed quaternions have only these components, of few bits each, and the largest follows.
     """
     largest = np.abs(q).argmax(axis=1)
     others = np.abs(q[np.arange(4) != largest[:, None]]).round(DIGITS)

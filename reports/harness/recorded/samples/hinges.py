@@ -11,17 +11,19 @@ from ...explaining.search import SIGNIFICANCE
 def spins_beyond(
     scenario: Scenario, motion: Trajectory, timestep: float | None, order: int, noise: FloatArray
 ) -> list[str]:
-    """Return the sentence on spins that change beyond a method's error or rounding; often none.
+    """Return the sentence on spins that change beyond a method's error or noise; often none.
 
-    A step of order p changes a component along an axis that turns by some part of the p-th power of
-    the angle of a step. That angle is the rotor's, as engines may turn each body by itself.
+    The error of a method of order p in a component along a turning axis is a part of the p-th power
+    of the angle turned in a step. That angle is the rotor's, as engines may turn each body by
+    itself.
 
     Parameters
     ----------
-    timestep : with which the motion was computed, s; if None, it is unknown, and the distance of
-        the samples is used
-    order : of accuracy of the method that computed it
-    noise : of attitude, rad, and ω, rad/s, (2,); the latter counts relative to the largest rate
+    timestep : timestep with which the motion was computed, s; if None, it is unknown, and the time
+        between samples is used
+    order : order of accuracy of the method that computed the motion
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,); spins have the same relative
+        noise as ω
     """
     if not motion.spins.size:
         return []

@@ -1,4 +1,4 @@
-"""Whether samples of a recording were held, or interpolated linearly, between others."""
+"""Finds samples of a recorded ω that were held, or interpolated linearly, between others."""
 
 import numpy as np
 
@@ -13,7 +13,8 @@ FEWEST, FEWEST_ON_A_LINE = 3, 2
 def interpolated(numbers: Numbers) -> Shown | None:
     """Return the finding that ω was held or interpolated linearly; None if it was not.
 
-    Then samples repeat those before them, or are on a line between others, to the last digit.
+    Samples that were held repeat those before them; samples that were interpolated are on a
+    straight line between others, to the last digit.
     """
     if numbers.omega is None or len(numbers.t) < FEWEST:
         return None
@@ -48,7 +49,7 @@ def interpolated(numbers: Numbers) -> Shown | None:
 
 
 def _zero_order_hold(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Return the finding that ω is held from one of several samples to the next; or None.
+    """Return the finding that ω is new at every m-th sample only, and held at the others; or None.
 
     Parameters
     ----------
@@ -69,8 +70,8 @@ def _at_one_in(count: int, how: str, first: int, samples: int) -> Shown:
 
     Parameters
     ----------
-    how : what ω is at the others, in words
-    first : index of the first new sample
+    how : what ω is at the other samples, in words
+    first : index of the first sample at which ω is new
     samples : how many samples there are
     """
     words = f"ω is {how}: it is new at one sample in {count} only; record those alone"
@@ -80,15 +81,19 @@ def _at_one_in(count: int, how: str, first: int, samples: int) -> Shown:
 def _lines(
     t: FloatArray, omega: FloatArray, exact: FloatArray, least: float
 ) -> list[tuple[int, int]]:
-    """Return the sample before each line, and the last on it, of lines that end with a kink.
+    """Return the straight lines of a recorded ω that begin or end with a kink.
 
-    ω is on a line where it bends less than it is rounded, though the exact motion bends far more
-    there, or the recorded one does at most samples, as by noise.
+    Samples are on a line if ω bends there by no more than rounding, though the exact ω bends far
+    more, or the recorded one does at most samples, as by noise.
 
     Parameters
     ----------
-    omega, exact : recorded and exact, rad/s, (n, 3)
+    omega, exact : recorded and exact ω, rad/s, (n, 3)
     least : the bend that may be rounding, rad/s
+
+    Returns
+    -------
+    For each line, the indices of the sample before its inner samples, and of the last of these
     """
     fraction = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
 

@@ -16,7 +16,7 @@ from ...explaining.fit import Data
 from ...explaining.hypothesis import Hypothesis, as_it_is
 from .sensors import as_it_was, as_read
 
-#: Largest turn between two samples, rad, and least number of intervals.
+#: Largest turn of the body in an interval between two samples, rad, and least number of intervals.
 NEAR, FEWEST_INTERVALS = 0.7, 4
 #: Most intervals that the time before a recording is divided into.
 MOST_BEFORE = 1000
@@ -30,7 +30,7 @@ FASTER = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Intervals(Data):
-    """Recorded states, and the recorded states that follow them.
+    """S intervals of a recorded motion, from recorded states to the ones recorded next.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Intervals(Data):
     ends : recorded states at the ends of the intervals, (S, 7)
     noise : standard deviations of recorded attitude, rad, and ω, rad/s, (2,)
     method : bounds of a method's error in an interval, in attitude, rad, and ω, rad/s, (S, 2)
-    integrator, timestep : that hypotheses are followed with; s
+    integrator, timestep : with which hypotheses are followed; the timestep in s
     is_derived : whether ω was not recorded, but is the rate at which the attitudes turn
     """
 
@@ -55,7 +55,7 @@ class Intervals(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """Standard deviations of attitude, rad, and ω, rad/s, at the ends, (S, 6)."""
+        """Standard deviations of attitude, rad, and ω, rad/s, by noise and method, (S, 6)."""
         return np.repeat(np.hypot(self.noise, self.method), 3, axis=1)
 
     @cached_property
@@ -66,12 +66,12 @@ class Intervals(Data):
 
     @cached_property
     def of_method(self) -> FloatArray:
-        """The fraction of each interval's error variance that is a method's, (S,)."""
+        """The fraction of each interval's error variance that is due to a method's error, (S,)."""
         return np.asarray(np.mean(self.method**2 / (self.noise**2 + self.method**2), axis=1))
 
     @cached_property
     def correlated(self) -> float:
-        """As in `Data`: all residuals count as one if a method's error is larger than noise.
+        """As in `Data`: all residuals count as one if a method's error is far larger than noise.
 
         A method's error is the same throughout, however many samples show it.
         """
@@ -92,20 +92,20 @@ class Intervals(Data):
         return apart(follow(equations, self.starts, self.spans)[:, 0], self.ends)
 
     def with_error(self, size: FloatArray) -> "Intervals":
-        """Return the intervals with a given error of their method.
+        """Return the intervals with a given error of the method, the same in all of them.
 
         Parameters
         ----------
-        size : of attitude, rad, and ω, rad/s, (2,)
+        size : size of the error of attitude, rad, and ω, rad/s, (2,)
         """
         return replace(self, method=np.tile(size, (len(self.spans), 1)))
 
     def made_by(self, integrator: Integrator, timestep: float) -> "Intervals":
-        """Return the intervals, followed with an integrator whose error is not allowed for.
+        """Return the intervals, to be followed with an integrator, and without a method's error.
 
         Parameters
         ----------
-        timestep : of the integrator, s
+        timestep : timestep of the integrator, s
         """
         without = np.zeros_like(self.method)
         return replace(self, method=without, integrator=integrator, timestep=timestep)
@@ -146,9 +146,13 @@ def root_mean_squares(differences: FloatArray) -> FloatArray:
 
 
 def gained(scenario: Scenario, motion: Trajectory) -> FloatArray:
-    """Return the deviations of samples from the exact flow of the sample before, (n - 1, 6).
+    """Return the deviations of samples from the exact flow that starts in the sample before.
 
-    They are those of attitude, rad, and ω, rad/s, under the scene's equations.
+    The flow is that of the scene's equations.
+
+    Returns
+    -------
+    Deviations of attitude, rad, and ω, rad/s, (n - 1, 6)
     """
     states, spans = states_of(motion), np.diff(motion.t)[:, None]
     return apart(follow(as_it_is(scenario).equations, states[:-1], spans)[:, 0], states[1:])
@@ -158,6 +162,8 @@ def gained_before(
     scenario: Scenario, t: FloatArray, timestep: float | None, order: int
 ) -> FloatArray:
     """Return bounds of a method's error at the first sample, in attitude, rad, and ω, rad/s, (2,).
+
+    The error grows from the scene's start to that sample.
 
     Parameters
     ----------
@@ -209,9 +215,9 @@ def intervals_of(
 
     Parameters
     ----------
-    timestep : with which the motion was computed, s; if None, it is unknown, and the median
-        distance of samples is used
-    order : of accuracy of the method that computed it
+    timestep : timestep with which the motion was computed, s; if None, it is unknown, and the
+        median time between samples is used
+    order : order of accuracy of the method that computed the motion
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
     most : the largest number of intervals, spread evenly over all; None for all
     near : the largest turn of the body in an interval, rad

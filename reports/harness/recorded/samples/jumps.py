@@ -1,4 +1,4 @@
-"""Where a recorded motion jumps, though it is the exact one from nearly every sample on."""
+"""Finds where a recorded motion jumps, though it obeys its equations between most samples."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,11 +17,13 @@ from .mistakes import FITS
 MOST_LOST = 20
 #: Largest turn, rad, of an interval that is looked at.
 FAR = 2.5
-#: How many later jumps may be the one that undoes a jump, and how many kinds of jumps are named.
+#: How many later jumps are tried as the one that undoes a jump, and how many kinds of jumps are
+#: named.
 UNDONE_BY, KINDS_TOLD = 4, 2
-#: Neighbours, on each side, that an interval is compared with; two of them may be jumps, too.
+#: Number of neighbours, on each side, that an interval is compared with; two may be jumps, too.
 AROUND = 4
-#: Newton steps to the time in which a motion comes to a state, and relative tolerance of times.
+#: Number of Newton steps to the time that a motion takes to a state, and relative tolerance of
+#: times.
 STEPS, TIME_TOLERANCE = 6, 1e-3
 
 
@@ -80,11 +82,13 @@ def jumps(data: Intervals, reach: int) -> list[Jump]:
 
 
 def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[int]:
-    """Return the intervals whose deviations are far larger than those of the others.
+    """Return the indices of the intervals whose deviations are far larger than the others'.
+
+    None are returned if there are too many.
 
     Parameters
     ----------
-    deviations : of the ends of intervals from the exact flow, rad and rad/s, (n, 6)
+    deviations : those of the ends of the intervals from the exact flow, rad and rad/s, (n, 6)
     chi2 : sum of squares of each interval's deviations, in units of their scale, (n,)
     """
     level = SIGNIFICANCE / len(deviations)
@@ -105,7 +109,7 @@ def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[i
 
 
 def _goes_on(data: Intervals, k: int, last: int, chi2: float) -> bool:
-    """Whether interval `last` ends where the motion from the start of interval `k` leads.
+    """Whether the exact flow from the start of interval `k` leads to the end of interval `last`.
 
     Parameters
     ----------
@@ -120,7 +124,13 @@ def _goes_on(data: Intervals, k: int, last: int, chi2: float) -> bool:
 
 
 def _outliers(data: Intervals, deviations: FloatArray, k: int, last: int) -> Jump:
-    """Return the jump of samples that differ from the motion before and after them."""
+    """Return the jump of outliers: samples that differ from the motion before and after them.
+
+    Parameters
+    ----------
+    deviations : as in `_places`
+    k, last : the interval that ends in the first outlier, and the one that begins in the last
+    """
     first, count = data.t[k], last - k
     if count == 1:
         words = f"the sample at t = {first:.6g} s is off by {_size(deviations[k])}: leave it out"
@@ -134,7 +144,13 @@ def _outliers(data: Intervals, deviations: FloatArray, k: int, last: int) -> Jum
 
 
 def _stretch(data: Intervals, deviations: FloatArray, k: int, end: int) -> Jump:
-    """Return the jump of successive intervals in which the motion does not obey the equations."""
+    """Return the jump over successive intervals in which the motion does not obey the equations.
+
+    Parameters
+    ----------
+    deviations : as in `_places`
+    k, end : the first and the last of these intervals
+    """
     worst = deviations[k + int(np.argmax(norms(deviations[k : end + 1])))]
     omega_part = worst[3:] / data.scale[k, 3:]
     how = "the attitude does not follow ω" if np.sum(omega_part**2) < 1 else "it goes on otherwise"
@@ -146,14 +162,13 @@ def _stretch(data: Intervals, deviations: FloatArray, k: int, end: int) -> Jump:
 
 
 def _outlying_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
-    """Return the jump of attitudes that differ from a motion that goes on after them.
+    """Return the jump of outlying attitudes, if ω was not recorded.
 
-    The motion leads from the start of interval `first` to the end of interval `last`; ω was not
-    recorded.
+    They differ from the exact flow from the start of interval `first` to the end of `last`.
 
     Returns
     -------
-    None if the motion does not lead there
+    None if the flow does not lead there, or if no attitude differs from it
     """
     spans = data.spans[first : last + 1].T
     computed = follow(data.base.equations, data.starts[[first]], spans)[0]
@@ -173,13 +188,13 @@ def _outlying_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
 
 
 def _time_jump(data: Intervals, first: int, last: int) -> Jump | None:
-    """Return the jump in time of a motion that takes another time than is recorded.
+    """Return the jump in time, if the motion takes another time than the recorded times say.
 
-    The motion leads from the start of interval `first` to the end of interval `last`.
+    The exact flow leads from the start of interval `first` to the end of interval `last`.
 
     Returns
     -------
-    None if the motion does not lead there in any time
+    None if the flow does not lead there in any time
     """
     spans, elapsed = data.spans[first : last + 1, 0], _time_between(data, first, last)
     if elapsed is None:
@@ -200,7 +215,12 @@ def _time_jump(data: Intervals, first: int, last: int) -> Jump | None:
 
 
 def _jump(data: Intervals, deviations: FloatArray, k: int) -> Jump:
-    """Return a jump that lasts, with what it may come from."""
+    """Return a jump in interval `k` after which the motion goes on from another state.
+
+    Parameters
+    ----------
+    deviations : as in `_places`
+    """
     at = data.t[k]
     if not k:
         words = (
@@ -217,11 +237,11 @@ def _jump(data: Intervals, deviations: FloatArray, k: int) -> Jump:
 
 
 def _time_between(data: Intervals, first: int, last: int) -> float | None:
-    """Return the time that the motion takes from one interval's start to another's end, s.
+    """Return the time that the exact flow takes from one interval's start to another's end, s.
 
     Returns
     -------
-    None if the motion does not lead there
+    None if the flow does not lead there
     """
     start, end, equations = data.starts[[first]], data.ends[[last]], data.base.equations
     speeds = norms(np.vstack([start, end])[:, 4:])
@@ -238,7 +258,7 @@ def _time_between(data: Intervals, first: int, last: int) -> float | None:
 
 
 def _with_count(alike: Sequence[Jump]) -> Jump:
-    """Return the first of jumps of one kind, and in its words how many there are."""
+    """Return the first of several jumps of one kind, with words on how many there are."""
     first, count = alike[0], len(alike)
     if count == 1:
         return first
@@ -247,7 +267,7 @@ def _with_count(alike: Sequence[Jump]) -> Jump:
 
 
 def _is_near(computed: FloatArray, recorded: FloatArray, scale: FloatArray) -> bool:
-    """Whether a computed state, (7,), is a recorded one, within noise.
+    """Whether a computed state, (7,), equals a recorded one, (7,), within noise.
 
     Parameters
     ----------

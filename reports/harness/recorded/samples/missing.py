@@ -1,4 +1,4 @@
-"""Describes the torque, or rate, that is missing where no change explains a recorded motion."""
+"""Describes the torque, or rate, that is missing if no change explains a recorded motion."""
 
 import numpy as np
 
@@ -10,20 +10,20 @@ from ...explaining.search import LEFT, SAME
 from .intervals import Intervals
 from .mistakes import FITS
 
-#: Significant digits of missing torques and rates, and of axes. Means over intervals have few.
+#: Significant digits of missing torques and rates, and of axes; means over intervals have few.
 DIGITS, OF_AXES = 3, 2
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
 
-#: The percentages are the loss of energy and the change of the angular momentum.
+#: The words for dissipation, with the loss of energy and the change of the angular momentum in %.
 DISSIPATED = (
     "its energy falls by {:.3g} % while its angular momentum is kept to {:.2g} %, which no torque "
     "from outside does: something moves within the body and takes energy, such as fuel that "
     "sloshes, or a part that bends"
 )
-#: The fraction of a motion, at its beginning and its end, of which mean energies are compared, and
-#: the least significant difference of these, in standard errors.
+#: The fraction of a motion, at its beginning and its end, over which the mean energies are taken
+#: that are compared, and the least significant difference of these, in standard errors.
 PART, SURE = 0.1, 8.0
 #: The largest change of the angular momentum relative to the loss of energy. A torque against ω
 #: causes twice as much; parts that move within the body take up some.
@@ -51,7 +51,7 @@ def dissipated(scenario: Scenario, motion: Trajectory) -> list[str]:
 
 
 def missing(data: Intervals) -> list[str]:
-    """Return the missing rate or torque in words, if kinematics alone or dynamics alone are wrong.
+    """Return the missing rate or torque in words, if only kinematics or only dynamics are wrong.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def missing(data: Intervals) -> list[str]:
 
 
 def is_attitude_off(motion: Trajectory, exact: Trajectory) -> bool:
-    """Whether the errors of ω are far smaller than those of the attitude, relative and in rad.
+    """Whether only the attitude is wrong: the error of ω, relative, is far below its error in rad.
 
     Both motions have the same times.
     """
@@ -85,7 +85,7 @@ def turned_off(motion: Trajectory, exact: Trajectory) -> float:
 
 
 def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
-    """Whether the errors of the attitude are far smaller than those of ω, in rad and relative.
+    """Whether only ω is wrong: the error of the attitude, rad, is far below its relative error.
 
     Both motions have the same times.
     """
@@ -97,7 +97,7 @@ def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
 def _torque(data: Intervals) -> str:
     """Return in words the size and the direction of the missing torque.
 
-    It is the mean over each interval of the missing I ω', in the body's axes.
+    It is I times the missing ω', averaged over each interval, in body axes.
     """
     base = data.base.equations
     deviations = data.apart(base) / data.spans
@@ -117,9 +117,9 @@ def _torque(data: Intervals) -> str:
 
 
 def _rate(data: Intervals) -> str:
-    """Return in words the angular velocity of the attitude that ω lacks.
+    """Return in words the angular velocity of the attitude that is missing in ω.
 
-    It is the mean over each interval, in the body's axes.
+    It is averaged over each interval, in body axes.
     """
     rate = data.apart(data.base.equations)[:, :3] / data.spans
     return _largest("a rate", data, rate, "rad/s") + _along_axes(data, rate, "rad/s")
@@ -134,7 +134,13 @@ def _largest(what: str, data: Intervals, missing: FloatArray, unit: str) -> str:
 
 
 def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
-    """Return in words what vectors in the body's axes, (S, 3), are along or perpendicular to."""
+    """Return in words which axes of body or world S vectors are along or perpendicular to.
+
+    Parameters
+    ----------
+    missing : the vectors, one for each interval, in body axes, (S, 3)
+    unit : unit of the vectors
+    """
     signs = np.sign(np.sum(data.starts[:, :4] * data.ends[:, :4], axis=1, keepdims=True))
     halfway = data.starts[:, :4] + signs * data.ends[:, :4]
     halfway /= norms(halfway)[:, None]
@@ -156,7 +162,12 @@ def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
 
 
 def _share(of: FloatArray, along: FloatArray) -> float:
-    """Return the fraction of the sum of squares of vectors, (S, 3), that is along other vectors."""
+    """Return the fraction of the sum of squares of S vectors that is along S other vectors.
+
+    Parameters
+    ----------
+    of, along : the vectors, and the directions, of any length, (S, 3)
+    """
     lengths = np.maximum(norms(along), np.finfo(float).tiny)
     parts = np.sum(of * along, axis=1) / lengths
     return float(np.sum(parts**2) / np.sum(of**2))

@@ -21,15 +21,16 @@ from ..files.motion import OmegaFrame, QuaternionOrder, Reading
 from .intervals import apart, states_of
 from .other_readings import equal_times, other_readings
 
-#: Turns of the exact motion, rad, over the beginnings that are compared, and their least number of
-#: samples. A motion by other equations is closer to the exact one over the shorter beginning.
+#: Turns of the exact motion, rad, over the two beginnings that are compared, and the least number
+#: of samples in a beginning. A motion by other equations is closer to the exact one over the
+#: shorter beginning.
 BEGINNINGS, FEWEST = (3.0, 0.75), 3
 #: Least number of samples of a corrected reading, as steps show from two samples on; and how many
 #: samples corrections may leave out. Two would allow for an ω that is half a sample older and half
 #: a sample newer, which is smoothed: that is no mistake.
 FEWEST_LEFT, LEFT_OUT = 2, 1
-#: Largest turn of the body over the beginning, rad, by the times of a reading. If they are so wrong
-#: that it turns further, the exact motion is not computed.
+#: Largest turn of the body over the beginning, rad, by the times of a reading. If these are so
+#: wrong that the body turns further, the exact motion is not computed.
 FURTHEST = 3e3
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
@@ -103,7 +104,7 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
 def without(
     words: Sequence[str], reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Reading | None:
-    """Return a whole recording corrected for mistakes; None if they are not possible in all of it.
+    """Return a whole recording corrected for mistakes; None if one of them cannot be corrected.
 
     Parameters
     ----------
@@ -120,7 +121,7 @@ def without(
 
 
 def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
-    """Return the corrections after which the attitude follows ω, the best first.
+    """Return the corrections, each of one mistake, after which the attitude follows ω, best first.
 
     No equations of motion are used: between two samples the attitude turns by the mean of their ω,
     but for terms of third order in the timestep, whatever torques act.
@@ -135,7 +136,7 @@ def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
 
 
 def rounded_times(reading: Reading) -> list[str]:
-    """Return that times are rounded, in words, if the attitude follows ω far better by even times.
+    """Return in words that times are rounded, if the attitude follows ω far better at even times.
 
     Returns
     -------
@@ -178,12 +179,12 @@ class _Beginning:
         self._attitude_errors: dict[tuple[bytes, bytes], float] = {}
 
     def at(self, t: FloatArray) -> tuple[FloatArray, float, float]:
-        """The exact motion at times t, s, (n,).
+        """Return the exact motion at times t, s, (n,), with its largest rate and turn.
 
         Returns
         -------
-        Its states, q and ω, (n, 7); its largest ‖ω‖, rad/s, or 1 if that is zero; and its largest
-        turn from the first of these times, rad, at most 1
+        The states, q and ω, (n, 7); the largest ‖ω‖, rad/s, or 1 if that is zero; and the largest
+        turn since the first of these times, rad, at most 1
         """
         if (times := t.tobytes()) not in self._at:
             spans = np.diff(t, prepend=self.begins_at)[None]
@@ -197,10 +198,10 @@ class _Beginning:
         return self._at[times]
 
     def turned(self, q: FloatArray, t: FloatArray) -> float:
-        """The largest error of attitudes, (n, 4), at times, s, (n,).
+        """Return the largest error of attitudes, (n, 4), at times, s, (n,), relative.
 
-        It is relative to the body's turn in these times, or to 1 rad if it turns further. Otherwise
-        the error would be small by times so short that neither motion turns.
+        It is divided by the exact motion's turn in these times, rad, or by 1 rad if that turn is
+        larger. Otherwise, with times so short that neither motion turns, it would seem small.
         """
         key = q.tobytes(), t.tobytes()
         if key not in self._attitude_errors:
@@ -211,7 +212,7 @@ class _Beginning:
         return self._attitude_errors[key]
 
     def error(self, reading: Reading, enough: float = np.inf) -> float:
-        """The largest relative error in attitude, ω and spins; infinite if times are too long.
+        """Return the largest relative error in attitude, ω and spins; infinite for too long times.
 
         Parameters
         ----------
@@ -233,13 +234,19 @@ class _Beginning:
         return np.inf if np.isnan(largest) else largest
 
     def better(self, readings: Iterable[_Correction], best: _Correction) -> _Correction:
-        """Return the correction with the smallest error; `best` if none explains the error of that.
+        """Return the correction with the smallest error; `best` if none has a far smaller error.
 
         The first of several equally good corrections is returned.
+
+        Parameters
+        ----------
+        readings : the corrections that are tried
+        best : the correction that was the best so far
         """
         given = best[1]
         baseline = least = self.error(given)
-        # By how many samples are left out. A body at rest has an error of 1, whatever is recorded.
+        # The keys are numbers of samples left out. A body at rest has an error of 1, whatever is
+        # recorded.
         baselines = {0: min(1.0, baseline)}
         for words, reading in readings if least > FITS else ():
             # A reading with fewer samples must be better than the given one without the worst ones.
@@ -253,9 +260,9 @@ class _Beginning:
         return best
 
     def other_times(self, reading: Reading) -> list[str]:
-        """Return by which factor times are too short or too long, in words; often nothing.
+        """Return in words by which factor times are too short or too long; often nothing.
 
-        It shows by attitudes that follow ω at other times only.
+        The factor is the one with which the attitudes follow ω.
         """
         least = self.error(reading)
         if least <= FITS or (factor := _factor_of_times(reading)) is None:
@@ -322,7 +329,7 @@ def _corrections(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Re
 
 
 def _factor_of_times(reading: Reading) -> float | None:
-    """Return the factor that times would have to be longer by for attitudes to follow ω, nearly.
+    """Return the approximate factor by which times must be multiplied for attitudes to follow ω.
 
     Returns
     -------
@@ -384,8 +391,8 @@ def _of_rates(R_world_body: FloatArray, rates: FloatArray, axes: tuple[int, ...]
     Parameters
     ----------
     R_world_body : the attitudes R_i(a) R_j(b) R_k(c), (n, 3, 3)
-    rates : of the angles, rad/s, (n, 3)
-    axes : i, j, k
+    rates : rates of the angles, rad/s, (n, 3); in the order x, y, z if all three axes differ
+    axes : indices i, j, k of the axes
     """
     i, j, k = axes
     a, b, c = rates.T if i == k else rates.T[[i, j, k]]

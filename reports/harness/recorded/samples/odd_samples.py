@@ -1,4 +1,4 @@
-"""Finds single samples that are wrong: signs, wrapped values, exchanged rows and times."""
+"""Finds samples with wrong signs, wrapped values, exchanged rows or wrong times."""
 
 import numpy as np
 
@@ -22,7 +22,12 @@ ALIKE = 0.02
 
 
 def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
-    """Return that qw is its absolute value, if conjugating some of the samples makes all right."""
+    """Return the finding that the sign of qw is lost: conjugating some samples corrects all.
+
+    Returns
+    -------
+    None if some qw is negative, or if that does not correct all samples
+    """
     q, exact = reading.q, numbers.q_exact
     if (q[:, 0] < 0).any() or len(q) < FEWEST:
         return None
@@ -41,7 +46,12 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
 
 
 def across_signs(numbers: Numbers) -> Shown | None:
-    """Return which samples were interpolated linearly between quaternions of opposite signs."""
+    """Return the finding that attitudes were interpolated between quaternions of opposite signs.
+
+    Returns
+    -------
+    None if no attitude was
+    """
     t, q = numbers.t, numbers.q
     before, after = q[:-2], q[2:]
     part = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
@@ -64,11 +74,13 @@ def across_signs(numbers: Numbers) -> Shown | None:
 
 
 def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Return that ω wraps around: an overflow adds the same number wherever ω would leave a range.
+    """Return the finding that ω wraps around; None if it does not.
+
+    If it does, an overflow adds or subtracts the same number wherever ω would leave a range.
 
     Parameters
     ----------
-    omega : the recorded ω, rad/s, body axes, (n, 3)
+    omega : the recorded ω, rad/s, in the axes of the file, (n, 3)
     """
     t, turns = numbers.t, norms(numbers.rates) * numbers.spans
     if len(t) < FEWEST or turns.max() > NEAR:
@@ -101,7 +113,10 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
 
 def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
-    """Return which rows are exchanged with the next ones, if the motion is smooth in that order."""
+    """Return the finding that some rows are exchanged with the next ones; None if none are.
+
+    Rows count as exchanged if the exact flow leads from row to row in the other order.
+    """
     t, states = motion.t, states_of(motion)
     if len(t) < FEWEST or not motion.omega_body.any():
         return None
@@ -140,7 +155,7 @@ def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
 
 
 def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
-    """Return that times jitter, if the attitude follows ω far better at even times.
+    """Return the finding that times jitter, if the attitude follows ω far better at even times.
 
     Parameters
     ----------
@@ -174,7 +189,7 @@ def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
 
 
 def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: FloatArray) -> str:
-    """Return in words that each state is the exact motion's at another time; empty if it is not.
+    """Return in words that each state is the exact motion's at another time; empty if one is not.
 
     The time of each state is found by Newton's method.
 

@@ -1,4 +1,4 @@
-"""Other ways to read a recording, so rare that they are tried by themselves and not in pairs."""
+"""Other ways to read a recording, so rare that each is tried alone and not together with others."""
 
 import warnings
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from ...explaining.search import LEFT
 from ..files.motion import Reading
 from ..files.recording import unit_of
 
-#: By how many samples ω may be older or newer than the attitude, besides one.
+#: By how many samples ω may be older or newer than the attitude; `mistakes.py` tries one sample.
 SAMPLES = range(2, 6)
 #: Tolerance of rounded times, in units of rounding, and of matrices.
 ALIKE = 1e-6
@@ -32,7 +32,7 @@ COLUMNS = np.array(["qw", "qx", "qy", "qz"])
 def other_readings(
     reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield each other way to read a recording, in words, with the recording read in that way.
+    """Yield other ways to read a recording: in words, and the recording read in that way.
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ def other_readings(
 
 
 def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with even times, in words, if its own may be these after rounding.
+    """Yield the recording with even times, after its words, if its own may be these after rounding.
 
-    Samples are 1/n s apart, or as far apart as fits best.
+    Samples are 1/n s apart, with an integer n, or as far apart as fits best.
     """
     t, count = reading.t, np.arange(len(reading.t))
     unit = unit_of(np.diff(t))
@@ -70,7 +70,7 @@ def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with other components of the quaternion's vector, and the same of ω."""
+    """Yield the recording with the components of x y z, of quaternion and ω, in other orders."""
     for components in OTHER_COMPONENTS:
         names = ", ".join(f"{'-' * (one < 0)}{' xyz'[abs(one)]}" for one in components)
         axes, signs = np.abs(components) - 1, np.sign(components)
@@ -81,7 +81,7 @@ def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with the quaternion's components in other orders and with other signs."""
+    """Yield the recording with the quaternion's four components in other orders and signs."""
     for order in map(list, permutations(range(4))):
         for signs in product((1.0, -1.0), repeat=3):
             picked = zip((1.0, *signs), COLUMNS[order], strict=True)
@@ -91,7 +91,7 @@ def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with Euler angles composed by another convention than they were."""
+    """Yield the recording with its attitudes composed from Euler angles of another convention."""
     R = Rotation.from_quat(reading.q, scalar_first=True)
     # Any, as scipy's stubs declare literal types of conventions.
     conventions: list[Any] = list(map("".join, permutations("XYZ")))
@@ -117,7 +117,7 @@ def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]
 def _of_axes(
     reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with other axes of world and body, by which its first attitude is right.
+    """Yield the recording with other axes of world and body for which the first attitude is right.
 
     Axes are the scene's in another order or with other signs, or the body's principal ones.
 
@@ -154,7 +154,12 @@ def _of_axes(
 
 
 def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:
-    """Return a recording with each attitude R, (3, 3), replaced by world R body, and ω with it."""
+    """Return a recording along other axes: each attitude R becomes world @ R @ body, ω likewise.
+
+    Parameters
+    ----------
+    world, body : rotation matrices, (3, 3)
+    """
     R = Rotation.from_quat(reading.q, scalar_first=True)
     q = Rotation.from_matrix(world) * R * Rotation.from_matrix(body)
     omega = None if reading.omega is None else reading.omega @ body

@@ -1,4 +1,4 @@
-"""Errors of sensors, as changes of how ω and the attitude are read, and their words."""
+"""Errors of sensors as changes of how ω and the attitude are read, and the words for them."""
 
 from collections.abc import Callable, Sequence
 
@@ -14,9 +14,9 @@ from ...explaining.hypothesis import Change, Hypothesis
 
 #: Largest turn of the body, rad, in the time by which ω or the attitude is late.
 FURTHEST = 1.0
-#: Relative tolerance at which a scale factor is recognised as that of degrees.
+#: Relative tolerance at which a scale factor is recognised as that from rad to degrees.
 DEGREES = 1e-2
-#: Nodes of a filter's quadrature. With one fewer its error shows at a noise of 1e-4 of ω.
+#: Nodes of a filter's quadrature. With one fewer, its error exceeds a noise of 1e-4 of ω.
 NODES = 4
 #: Iω + h is recorded in place of ω.
 MOMENTUM = Change(
@@ -48,7 +48,8 @@ SENSORS = (
     Change("turned attitude", lambda h, n: h._replace(turned=n), np.ones(3)),
     Change("delay", lambda h, n: h._replace(delay=n[0]), np.ones(1)),
 )
-#: Its six parameters can be told from those of other mistakes only where there is no noise.
+#: A gyroscope's cross-axis sensitivity. Its six parameters can be told from those of other mistakes
+#: only if there is no noise.
 CROSS_AXIS = Change("cross-axis", lambda h, n: h._replace(read=h.read @ _cross_axis(n)), np.ones(6))
 #: Filters of ω. They are not undone, as what they suppress is lost.
 FILTERS = (
@@ -59,11 +60,11 @@ FILTERS = (
         np.ones(1),
     ),
 )
-#: The changes of reading that are undone at each sample, where intervals are compared.
+#: The changes of reading that can be undone at each sample, as is needed to compare intervals.
 READINGS = (MOMENTUM, *SENSORS, CROSS_AXIS)
 #: The changes of reading that are tried with a flight log.
 OF_LOGS = (*SENSORS, *FILTERS)
-#: By kind: its words, and a and f of a + f p, as which its parameters p are shown.
+#: By kind of change: the words, and a and f of a + f p, as which the parameters p are shown.
 WORDS = {
     "bias": ("the gyroscope has a bias of {} rad/s", 0.0, 1.0),
     "scale": ("the gyroscope's axes read {} times ω", 1.0, 1.0),
@@ -93,7 +94,7 @@ WORDS = {
 }
 
 
-#: The words of a negative parameter, of which the absolute value is shown.
+#: By kind of change: the words if the parameter is negative, of which the absolute value is shown.
 AHEAD = {
     "lag": "ω is ahead of the attitude by {} s",
     "delay": "the attitude is that of {} s after its time, and ω is that of its time",
@@ -107,8 +108,9 @@ def of_sensor(
 
     Parameters
     ----------
-    parameters : of the change, SI units, (k,)
-    in_words : prints the parameters as they are shown, given the factor from SI to their units
+    parameters : the fitted parameters of the change, SI units, (k,)
+    in_words : returns numbers as text, given the numbers to show, and the factor f from the
+        parameters to their unit
     """
     words, added, factor = WORDS[change.kind]
     if change.kind in AHEAD and parameters[0] < 0:
@@ -143,18 +145,15 @@ def as_read(hypotheses: Sequence[Hypothesis], states: FloatArray, t: FloatArray)
 
 
 def as_it_was(hypotheses: Sequence[Hypothesis], read: FloatArray, t: FloatArray) -> FloatArray:
-    """Return the actual states that the sensors of H hypotheses read as given, (H, S, 7).
+    """Return the actual states if the sensors of H hypotheses read the given ones, (H, S, 7).
 
-    This is the inverse of `as_read`, but for filters.
+    This is the inverse of `as_read`, except that filters are not undone. States are not finite
+    where ω cannot be recovered from what a hypothesis reads.
 
     Parameters
     ----------
     read : q, scalar first, and ω, rad/s, body axes, as they were read, (S, 7)
     t : s, (S,)
-
-    Returns
-    -------
-    Not finite where a hypothesis reads ω so that it cannot be recovered
     """
     by = np.stack([inverse(one.read) for one in hypotheses])
     states = np.tile(read, (len(hypotheses), 1, 1))
@@ -183,7 +182,15 @@ def _turned(q: FloatArray, turn: FloatArray) -> FloatArray:
 
 
 def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
-    """Return ω, rad/s, (S, 3), after a low-pass filter: Gauß–Laguerre quadrature of its past."""
+    """Return ω after a low-pass filter, rad/s, (S, 3), by Gauß–Laguerre quadrature of past ω.
+
+    It is nan if the time constant is negative, or the body turns too far in it.
+
+    Parameters
+    ----------
+    states : q, scalar first, and the actual ω, (S, 7)
+    t : s, (S,)
+    """
     time_constant = hypothesis.low_pass
     if not 0 <= time_constant * norms(states[:, 4:]).max() < FURTHEST:
         return np.full((len(states), 3), np.nan)
@@ -197,7 +204,7 @@ def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> Floa
 
 
 def _propagated(hypothesis: Hypothesis, states: FloatArray, by: float) -> FloatArray:
-    """Return states, (S, 7), as they are a time, s, later; nan if a body turns too far in it."""
+    """Return states, (S, 7), as they are `by` s later; nan if the body turns too far in that."""
     if not abs(by) * norms(states[:, 4:]).max() < FURTHEST:
         return np.full_like(states, np.nan)
     return follow(hypothesis.equations, states, np.full((len(states), 1), by))[:, 0]

@@ -1,4 +1,4 @@
-"""Checks a recorded com and velocity, and finds the mistakes in recording that explain errors."""
+"""Checks a recorded com and its velocity, and finds mistakes in recording that explain errors."""
 
 from collections.abc import Iterator
 
@@ -12,8 +12,8 @@ from .digits import resolution
 from .mistakes import FITS
 from .other_readings import EVERY_AXES, named
 
-#: Least error of a com or a velocity that is named: as a multiple of what a method and the attitude
-#: explain, and as a fraction of the com's largest displacement, or of its largest speed.
+#: Least error of com or velocity that is named: as a multiple of the error that the method and the
+#: attitude explain, and as a fraction of the com's largest displacement, or of its largest speed.
 FAR, PART = 10.0, 0.01
 
 
