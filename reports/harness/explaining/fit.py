@@ -69,7 +69,7 @@ class Data(ABC):
         return 1.0
 
     @property
-    def growing(self) -> Sequence["Data"]:
+    def beginnings(self) -> Sequence["Data"]:
         """Data of more and more of the first samples, to be fitted in turn; at last all data."""
         return (self,)
 
@@ -227,7 +227,7 @@ class Trial:
         if before is not None:
             return self._fit_from(self._start(before))
         x = np.zeros(len(self.scales))
-        for data in self.data.growing[:-1] if len(x) else ():
+        for data in self.data.beginnings[:-1] if len(x) else ():
             found = Trial(data, self.changes)._least_squares(x, ROUGH, EVALUATIONS)
             x = found.x
             if mean_square(found.fun) > UNEXPLAINED:

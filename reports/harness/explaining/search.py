@@ -109,7 +109,7 @@ class Search:
         """Each change by itself, linearised."""
         return linear(self.trials)
 
-    def growing(self, most: int, kept: tuple[Change, ...] = ()) -> Fit:
+    def from_first_samples(self, most: int, kept: tuple[Change, ...] = ()) -> Fit:
         """The best set of changes by stepwise regression on more and more of the data.
 
         The regression begins with the first samples, where the motion is nearly linear in the
@@ -121,8 +121,8 @@ class Search:
         most : how many changes there may be
         kept : changes to begin with, which may be left out only once all data are used
         """
-        fit = Trial(self.data.growing[0], kept).fit()
-        for data in self.data.growing:
+        fit = Trial(self.data.beginnings[0], kept).fit()
+        for data in self.data.beginnings:
             search = replace(self, data=data)
             fit = search.stepwise(Trial(data, fit.changes).fit(fit), most, kept)
             if fit.explains_nothing:
@@ -137,7 +137,7 @@ class Search:
 
         Parameters
         ----------
-        most, kept : as in `growing`
+        most, kept : as in `from_first_samples`
         """
         while True:
             one_less = [one for one in _without(fit.changes, 1) if set(kept) <= set(one)]
@@ -188,15 +188,15 @@ class Search:
     def _simpler(self, fit: Fit, kept: tuple[Change, ...]) -> list[Fit]:
         """Fits, simpler than a given one, of the changes that are kept and one other change.
 
-        The other change is chosen by the first of the data in `Data.growing` that the kept changes
-        explain less well than the given fit: it must be promising there. In these data and all
-        later ones χ² must not be significantly larger than that of the given fit.
+        The other change is chosen by the first of the data in `Data.beginnings` that the kept
+        changes explain less well than the given fit: it must be promising there. In these data and
+        all later ones χ² must not be significantly larger than that of the given fit.
         """
         room = self._complexity(fit.changes) - self._complexity(kept)
         others = [one for one in self.changes if one not in fit.changes]
         others = [one for one in others if self._complexity([one]) < room]
         alone, fits = None, None
-        for data in self.data.growing if others else ():
+        for data in self.data.beginnings if others else ():
             search, of_fit = replace(self, data=data), Trial(data, fit.changes).fit(fit)
             if fits is None:
                 alone = Trial(data, kept).fit(alone)

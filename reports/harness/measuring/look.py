@@ -10,7 +10,7 @@ from ....scenarios import FloatArray
 from ....scenarios.rotation import norms, rotation_vectors
 from ...results.evidence import LEVEL
 from .gain_series import GainSeries, fitted
-from .noise import largest_terms, weakest_effects
+from .noise import term_sizes, weakest_effects
 from .steps import Steps
 
 
@@ -82,8 +82,8 @@ class Look:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """The sizes of the quantities' rates of change, as `largest_terms` returns them, (Q,)."""
-        return largest_terms(self.equations, self.steps)
+        """The sizes of the quantities' rates of change, as `term_sizes` returns them, (Q,)."""
+        return term_sizes(self.equations, self.steps)
 
     @property
     def known_to(self) -> tuple[float, float]:

@@ -70,7 +70,7 @@ def noise_of(
     The standard deviation of each component, in the units of the gains, (J, K, Q)
     """
     scenario, rounding = equations.scenario, ULPS * engine.ulp
-    spans, sizes = steps.timesteps[:, None], largest_terms(equations, steps)
+    spans, sizes = steps.timesteps[:, None], term_sizes(equations, steps)
     of_body = rounding * condition
     of_reading = of_body if engine.single_precision else max(engine.slack, of_body)
     variance = (rounding * roundings(equations, steps)) ** 2 / steps.repeats
@@ -110,7 +110,7 @@ def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
     return np.asarray(NOISE * roundings(equations, steps).max(axis=1, keepdims=True))
 
 
-def largest_terms(equations: Equations, steps: Steps) -> FloatArray:
+def term_sizes(equations: Equations, steps: Steps) -> FloatArray:
     """The size of each quantity's rate of change, which gains are compared with, (Q,).
 
     It is the sum of the sizes of the rate's terms, however they cancel, and the largest of all
@@ -140,9 +140,9 @@ def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
 
     The size of an effect is the largest size of its term in any state, in the units of gains.
     Torques of the same kind count as one effect. An effect is ignored if `SEEN` times its size is
-    less than `NOISE` times `largest_terms`, as it could not be told from noise that is no fault.
+    less than `NOISE` times `term_sizes`, as it could not be told from noise that is no fault.
     """
-    negligible = NOISE / SEEN * largest_terms(equations, steps)
+    negligible = NOISE / SEEN * term_sizes(equations, steps)
     torques = _torques(equations, steps.before).max(axis=0)
     least = np.full_like(negligible, np.inf)
     least[1] = torques[torques > negligible[1]].min(initial=np.inf)

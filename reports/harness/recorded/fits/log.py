@@ -54,7 +54,7 @@ class Log(Data):
         return FASTER * float(max(speeds.max(), self.base.equations.rate, self.noise[1]))
 
     @cached_property
-    def growing(self) -> Sequence["Log"]:
+    def beginnings(self) -> Sequence["Log"]:
         """As in `Data`: the first log is so short that its motion is nearly linear in its start."""
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
         length, logs = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), []

@@ -125,14 +125,14 @@ class LogFit:
     def found(self) -> Fit:
         """The best fit, with all the changes that the samples require."""
         search = self.search
-        found = search.growing(MOST_CHANGES)
+        found = search.from_first_samples(MOST_CHANGES)
         if self._is_beyond(found) or len(found.changes) > 1:
             # Most measured bodies have another start and tensor, whatever else.
-            other = search.growing(MOST_CHANGES, (START, self.tensor))
+            other = search.from_first_samples(MOST_CHANGES, (START, self.tensor))
             found = max(found, other, key=search.score)
         if self._is_beyond(found) and self.given.has_omega and not self.right_by_itself:
             every = replace(search, changes=[*search.changes, CROSS_AXIS])
-            found = max(found, every.growing(MOST_CHANGES), key=search.score)
+            found = max(found, every.from_first_samples(MOST_CHANGES), key=search.score)
         # It has so many parameters that it explains a part of any motion.
         torque = Trial(self.given, (self.by_attitude,)).fit()
         if not self._is_beyond(torque):

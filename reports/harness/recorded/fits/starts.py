@@ -12,7 +12,7 @@ from .....scenarios.rotation import conjugate, matrix, norms, rotation_vectors
 from ...explaining.hypothesis import as_it_is
 from ...explaining.search import LEFT, SAME, SIGNIFICANCE
 from ..samples.clamps import TINY
-from ..samples.intervals import apart, gained, gained_before, states_of
+from ..samples.intervals import apart, deviations_from_flow, error_at_first_sample, states_of
 from ..samples.mistakes import FITS
 from .other_physics import Physics
 from .read_omega import OMEGA
@@ -32,9 +32,9 @@ def elsewhere(physics: Physics) -> list[str]:
     One sentence; none unless the deviation exceeds both
     """
     scenario, exact, motion = physics.scenario, physics.exact, physics.motion
-    of_method = gained_before(scenario, motion.t, physics.timestep, physics.order)
+    of_method = error_at_first_sample(scenario, motion.t, physics.timestep, physics.order)
     deviations = apart(states_of(exact.until(1)), states_of(motion.until(1))).reshape(2, 3)
-    others = gained(scenario, motion)[1:].reshape(-1, 2, 3)
+    others = deviations_from_flow(scenario, motion)[1:].reshape(-1, 2, 3)
     count = max(1, 3 * len(others))
     least = physics.least
     variances = np.sum(others**2, axis=(0, 2)) / count + least**2

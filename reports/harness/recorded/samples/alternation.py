@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.rotation import norms
 from ...explaining.search import LEFT
-from .intervals import NEAR, gained
+from .intervals import NEAR, deviations_from_flow
 
 #: Least number of samples in which alternation can be found.
 FEWEST = 12
@@ -102,7 +102,7 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     if len(motion.t) < FEWEST or fastest * np.median(np.diff(motion.t)) >= NEAR:
         return None
     # These are first differences already, with the noise of two samples.
-    first = gained(scenario, motion)
+    first = deviations_from_flow(scenario, motion)
     least = np.maximum(PRINTED * floor, LEAST * np.array([1.0, fastest]))
     squares = [_differences(first, lag) for lag in OF_DIFFERENCES]
     every, every_second = (

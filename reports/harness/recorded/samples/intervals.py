@@ -145,7 +145,7 @@ def root_mean_squares(differences: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(np.mean(differences.reshape(-1, 2, 3) ** 2, axis=(0, 2))))
 
 
-def gained(scenario: Scenario, motion: Trajectory) -> FloatArray:
+def deviations_from_flow(scenario: Scenario, motion: Trajectory) -> FloatArray:
     """Return the deviations of samples from the exact flow that starts in the sample before.
 
     The flow is that of the scene's equations.
@@ -158,7 +158,7 @@ def gained(scenario: Scenario, motion: Trajectory) -> FloatArray:
     return apart(follow(as_it_is(scenario).equations, states[:-1], spans)[:, 0], states[1:])
 
 
-def gained_before(
+def error_at_first_sample(
     scenario: Scenario, t: FloatArray, timestep: float | None, order: int
 ) -> FloatArray:
     """Return bounds of a method's error at the first sample, in attitude, rad, and ω, rad/s, (2,).

@@ -10,7 +10,7 @@ from ...explaining.search import LEFT, SAME
 from ..files.motion import Reading
 from ..files.recording import unit_of
 from .digits import CHANGES, Numbers, Shown, where
-from .intervals import NEAR, apart, gained, states_of
+from .intervals import NEAR, apart, deviations_from_flow, states_of
 from .mistakes import FITS, TOO_LONG, TOO_SHORT
 
 #: Least number of samples, and least number of wrapped ones.
@@ -125,7 +125,7 @@ def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
     def sizes(deviation: FloatArray) -> FloatArray:
         return norms(deviation[:, :3]) + norms(deviation[:, 3:]) / speed
 
-    given = sizes(gained(scenario, motion))
+    given = sizes(deviations_from_flow(scenario, motion))
     typical = float(np.median(given))
     before = given[:-2] + given[1:-1] + given[2:]
     # Of each four rows, the second and third may be exchanged; these are the indices of the second.

@@ -12,10 +12,10 @@ from spincheck.reports.harness.measuring.noise import (
     NOISE,
     SOLVED,
     ULPS,
-    largest_terms,
     noise_of,
     noise_of_steps,
     rounding_of_body,
+    term_sizes,
     weakest_effects,
 )
 from spincheck.reports.harness.measuring.steps import Steps, flowed
@@ -99,7 +99,7 @@ def test_a_body_that_is_held_to_a_slack_gains_as_much_of_the_largest_terms() -> 
     engine = type("Slack", (SteppedEngine,), {"slack": 1e-6})()
     steps, equations = steps_of(sphere()), Equations(sphere())
     found = noise_of(equations, steps, engine, 0.0, settled=False)[:, 0]
-    sizes = largest_terms(equations, steps)
+    sizes = term_sizes(equations, steps)
     assert sizes[TORQUE] == pytest.approx(2 * MOMENT * SPEED**2, rel=0.5 + SURE)
     np.testing.assert_allclose(found, np.broadcast_to(1e-6 * sizes, found.shape), rtol=1e-6)
 
@@ -111,7 +111,7 @@ def test_moments_that_differ_round_by_the_condition_of_the_tensor() -> None:
     assert rounding == ULPS * EPS * condition
     found, sizes = (
         noise(sphere(), condition),
-        largest_terms(Equations(sphere()), steps_of(sphere())),
+        term_sizes(Equations(sphere()), steps_of(sphere())),
     )
     # It is of the body as it is held, and of the solution.
     np.testing.assert_allclose(found[:, TORQUE], 2**0.5 * rounding * sizes[TORQUE], rtol=1e-6)
@@ -146,7 +146,7 @@ def test_a_turn_that_a_solver_leaves_out_counts_where_a_constraint_settled() -> 
     )
     np.testing.assert_allclose(settled[:, ATTITUDE], left_out / TIMESTEPS, rtol=1e-6)
     # A solver leaves something of every quantity.
-    left = np.hypot(not_settled, SOLVED * largest_terms(Equations(sphere()), steps_of(sphere())))
+    left = np.hypot(not_settled, SOLVED * term_sizes(Equations(sphere()), steps_of(sphere())))
     np.testing.assert_allclose(settled[:, TORQUE:], left[:, TORQUE:], rtol=1e-12)
     np.testing.assert_array_equal(not_settled, noise(sphere()))
 
@@ -174,7 +174,7 @@ def test_nothing_is_divided_by_no_size() -> None:
     rest = sphere()
     still = steps_of(rest)
     still = replace(still, before=replace(still.before, omega_body=0.0 * still.before.omega_body))
-    assert (largest_terms(Equations(rest), still) >= NO_SIZE).all()
+    assert (term_sizes(Equations(rest), still) >= NO_SIZE).all()
 
 
 def test_the_weakest_effect_is_the_least_that_is_not_absent() -> None:

@@ -44,7 +44,7 @@ class Parabola(Data):
     wanted: np.ndarray
 
     @property
-    def growing(self) -> Sequence[Data]:
+    def beginnings(self) -> Sequence[Data]:
         return (*(replace(self, wanted=self.wanted[:count]) for count in (4, 16)), self)
 
     def deviations(self, hypotheses: Sequence[Hypothesis]) -> np.ndarray:
@@ -73,16 +73,20 @@ def searched(wanted: np.ndarray) -> Search:
 
 
 def test_the_changes_that_more_and_more_of_the_data_call_for_are_found() -> None:
-    assert searched(NOISE).growing(4).changes == ()
-    found = searched(SQUARES + NOISE).growing(4)
+    assert searched(NOISE).from_first_samples(4).changes == ()
+    found = searched(SQUARES + NOISE).from_first_samples(4)
     assert found.changes == (SQUARE,)
     assert found.parameters == pytest.approx(0.5, rel=0.01)
-    both = replace(searched(SQUARES + 20 + NOISE), changes=(CONSTANT, SLOPE, SQUARE)).growing(4)
+    both = replace(
+        searched(SQUARES + 20 + NOISE), changes=(CONSTANT, SLOPE, SQUARE)
+    ).from_first_samples(4)
     assert set(both.changes) == {CONSTANT, SQUARE}
     # What it begins with is left out at the end.
-    assert searched(SQUARES + NOISE).growing(4, (SLOPE,)).changes == (SQUARE,)
+    assert searched(SQUARES + NOISE).from_first_samples(4, (SLOPE,)).changes == (SQUARE,)
     # No parameters mean anything where none explains the first samples.
-    beyond = searched(SQUARES + 1e6 * (-1.0) ** np.arange(64) * (np.arange(64) < 4)).growing(4)
+    beyond = searched(
+        SQUARES + 1e6 * (-1.0) ** np.arange(64) * (np.arange(64) < 4)
+    ).from_first_samples(4)
     assert beyond.explains_nothing
     assert len(beyond.residuals) == 64
 
