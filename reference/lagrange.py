@@ -126,7 +126,13 @@ def _swinging(
     constants_of_motion: Constants,
     swing: Nutation,
 ) -> ClosedForm:
-    """Return the closed form of a top whose tilt swings."""
+    """Return the closed form of a top whose tilt swings.
+
+    Parameters
+    ----------
+    start, omega : attitude, and ω along the top's frame, rad/s, at t = 0
+    constants_of_motion, swing : the constants for this start, and the nutation they lead to
+    """
     lattice = swing.lattice
     u0 = first_kind(swing.sin_squared, swing.cos_squared, lattice.m1)
     at_start = (u0 if constants_of_motion.rising else -u0) * lattice.scale

@@ -268,10 +268,17 @@ def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 
 @called
 def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
-    """Return the angular velocity, rad/s, body axes, that belongs to rates of Euler angles.
+    """Return the ω, rad/s, body axes, at which an attitude turns whose Euler angles have `rates`.
 
-    The equations take ω for these rates; the convention of the angles is that of `kinematics`. It
-    is nan where the first and third axis coincide.
+    Equations that take ω for the rates of Euler angles turn it so. The result is nan where the
+    first and third axis coincide.
+
+    Parameters
+    ----------
+    e : numbers of the equations; `KINEMATICS` is the convention of the angles
+    R : the attitude, body to world
+    rates : of the angles, rad/s: in their order if the first and third axis are the same, else of
+        the angles about x, y and z
     """
     which = int(e[KINEMATICS]) - FIRST_ANGLES
     i, j, k = which // 9, which // 3 % 3, which % 3

@@ -68,7 +68,15 @@ def find(names: Iterable[str]) -> list[Path]:
 
 
 def _toml_files(folder: Path) -> Iterator[Path]:
-    """Yield the paths of the TOML files in a folder and its folders, in any order."""
+    """Yield the paths of the TOML files in a folder and its folders, in any order.
+
+    Hidden folders are not entered, and links to folders are not followed.
+
+    Raises
+    ------
+    ScenarioError
+        If there are more than `MOST_ENTRIES` files and folders.
+    """
     count = 0
     for path, folders, files_there in os.walk(folder):
         count += len(folders) + len(files_there)

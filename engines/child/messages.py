@@ -171,7 +171,10 @@ class StateRow(ChildAnswer):
 
 
 class Stepped(ChildAnswer):
-    """The state after steps; numbers that are not finite, which JSON cannot write, are None."""
+    """The state after steps, in the axes and units of `StateRow`.
+
+    Numbers that are not finite, which JSON cannot write, are None.
+    """
 
     q: tuple[Known, Known, Known, Known]
     omega: tuple[Known, Known, Known]

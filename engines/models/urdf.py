@@ -144,7 +144,12 @@ def _add_link(
 ) -> None:
     """Add a link with the inertia of a body; without `inertial` if `body` is None.
 
-    The tensor is written `whole`, or as principal moments in a turned inertial frame.
+    Parameters
+    ----------
+    thickness : relative amount by which the largest moment stays below the sum of the others; not
+        for a tensor that is written whole
+    whole : whether the tensor is written along the body's axes, with products of inertia; if not,
+        the principal moments are, in a turned inertial frame
     """
     link = ET.SubElement(robot, "link", name=name)
     if body is None:

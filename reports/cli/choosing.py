@@ -128,9 +128,22 @@ def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
 def _engines(
     name: str, python: str, time_limit: float | None, scenarios: Sequence[Scenario]
 ) -> Sequence[Engine]:
-    """Return the engines that a value of '--engine' names, whatever its case.
+    """Return the engines that a value of '--engine' names, one unless it is 'all' or a family.
 
-    It is a single engine, but for 'all' and for the name of a family of engines, such as 'node'.
+    'all' and a family, such as 'node', mean those of their engines that apply to any of the scenes.
+    Case counts only in 'MODULE:CLASS', 'child:COMMAND' and 'ENGINE@VERSION'.
+
+    Parameters
+    ----------
+    name : the value
+    python : the command of the interpreter that another version runs under; this one if empty
+    time_limit : CPU time that an answer of a child may take, s, at most `ANSWER_LIMIT`, which None
+        stands for
+
+    Raises
+    ------
+    Complaint
+        If it names no engine, or one that cannot be used.
     """
     if name.startswith(CHILD):
         return [_child(name.removeprefix(CHILD), time_limit)]

@@ -20,7 +20,7 @@ ENGINE, XFAILS = "--spincheck-engine", "--spincheck-xfails"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the settings of the plugin to pytest's configuration file."""
+    """Add the plugin's settings and its command-line options to those that pytest knows."""
     parser.addini(
         _ENGINES,
         "engines that spincheck's scenes are run on, or 'all'; if left out, those that a scene's "

@@ -105,9 +105,12 @@ def study_method(
 
 
 def _run_with_some_defaults(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
-    """Store runs with some of an engine's defaults, at the coarsest stock timestep that can be run.
+    """Store runs with no default of an engine, with each default alone, and with all but each.
 
-    Only the engine's first method as shipped, which has all of its defaults, is run.
+    A default is what the engine does to motions unless it is told not to. The runs are made at the
+    coarsest stock timestep that can be run, by the engine's first method as shipped, which has all
+    of its defaults. Nothing is stored for other methods, for an engine without defaults, where the
+    first step would be clamped (`clamped_start`), or if the call fails.
     """
     scenario, engine, method = study.scenario, study.engine, study.method
     first = next((other for other in engine.methods if other.as_shipped), None)

@@ -106,11 +106,17 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
 
 
 def _is_there(path: Path, purpose: str) -> bool:
-    """Whether there is a file to open; raise if it is a pipe, which would block, or another kind.
+    """Whether there is a regular file to open; False if there is nothing at the path.
 
     Parameters
     ----------
     purpose : "read" or "written", for the message
+
+    Raises
+    ------
+    ResultFileError
+        If it is a folder, a pipe, which would block, or of another kind; a link to nothing or to an
+        empty file; or if the system does not let it be looked at.
     """
     try:
         found = path.stat()

@@ -253,7 +253,7 @@ class Effect:
 
     @property
     def heading(self) -> str:
-        """The heading of the effect's table in a scene file."""
+        """The heading of the effect's table in a scene file, with brackets: "[effects.drag]"."""
         return f"[[{self.table}]]" if self.is_part else f"[effects.{self.table}]"
 
     def table_in(self, document: Any) -> Any:

@@ -261,7 +261,14 @@ class World:
         return torque + found["mass"] * swing
 
     def start(self, node, R_world_node, omega, place, velocity):
-        """Set the attitude, ω, position and velocity with which a node starts, in world axes."""
+        """Set the attitude, ω, position and velocity with which a node starts.
+
+        Parameters
+        ----------
+        node : number of the node
+        R_world_node : the attitude, node to world, (3, 3)
+        omega, place, velocity : rad/s, m and m/s, world axes, (3,) each
+        """
         start = {
             "referenceCoordinates": [*place, *rotation_vector(quaternion(R_world_node))],
             "initialVelocities": [*velocity, *(R_world_node.T @ omega)],

@@ -20,9 +20,8 @@ KEPT = Advice("import it without collapse_fixed_joints: Newton then has a fixed 
 class NewtonModelReader(ModelReader):
     """A reader by `add_urdf`, `add_mjcf` and `add_usd` of `ModelBuilder`.
 
-    Its bodies are those of the finalized model.
-
-    Meshes are read only for links whose inertia comes from them.
+    Its bodies are those of the finalized model. Meshes of a URDF are read only for links that state
+    no inertia; visual shapes of an MJCF are left out.
     """
 
     name = "newton"

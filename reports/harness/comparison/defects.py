@@ -48,11 +48,12 @@ class Defects:
     rounding: Errors
 
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
-        """Return the records to store, by the name of the signal.
+        """Return median, 95th percentile, largest (with its time) and floor of defects, by signal.
 
         Parameters
         ----------
-        steps : number of steps of the whole run
+        steps : number of steps of the whole run; the rounding errors of an interval's steps add up
+            like a random walk
         ulp : relative spacing of the engine's numbers
         """
         step = max(ulp, NOISE) / np.finfo(float).eps

@@ -130,12 +130,16 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
 
 def _thinned(intervals: int, turn: float) -> int:
-    """Return m, a power of two, if every m-th sample is to be used.
+    """Return m, the power of two such that every m-th sample is used; 1 if all are.
+
+    It is the smallest m with which `MIN_RUNGS` rungs, the first with one step between used samples,
+    stay within `MAX_STEPS`. Doubling stops earlier if the turn between two used samples would
+    exceed `COARSEST_TURN`.
 
     Parameters
     ----------
     intervals : number of intervals between samples
-    turn : largest turn between two samples, rad
+    turn : largest turn between two neighbouring samples, rad
     """
     every = 1
     while (

@@ -196,7 +196,14 @@ def _has_changed(old: float, new: float, noise: float) -> bool:
 
 
 def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Change]:
-    """Yield a change if the cost of a step differs beyond the spread of the timings."""
+    """Yield a change if a step's cost differs by more than `COST_FACTOR` and the timings' spreads.
+
+    Nothing is yielded if it was not timed in both files.
+
+    Parameters
+    ----------
+    same_machine : whether both files are of one machine; if not, no change is a regression
+    """
     before, after = _seconds(old[1].rows), _seconds(new[1].rows)
     if before is None or after is None:
         return

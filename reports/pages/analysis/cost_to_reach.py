@@ -86,9 +86,10 @@ class Reach:
 def reach(curve: Curve, level: float) -> Reach:
     """Return the timestep and cost with which a method stays within an error, or why it cannot.
 
-    The timestep is interpolated between two runs, or extrapolated. An interpolated one is on the
-    safe side: the error is assumed to be the finer run's times (dt ratio)^p, where p is the steeper
-    of the slopes on either side of that run.
+    If the coarsest stable run is within the error already, its own timestep is returned. Else the
+    timestep is interpolated between two runs, or extrapolated below the finest. An interpolated one
+    is on the safe side: the error is assumed to be the finer run's times (dt ratio)^p, where p is
+    the steeper of the slopes on either side of that run.
     """
     if curve.points and level < curve.uncertainty:
         reason = f"the reference itself is known to {curve.uncertainty:.1e}"

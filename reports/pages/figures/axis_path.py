@@ -76,10 +76,14 @@ def _on_surface(
     height: int,
     overlay: dict[str, Any],
 ) -> Figure:
-    """Return a figure of a curve on an ellipsoid; the page's script draws the curve itself.
+    """Return a figure of an ellipsoid and its axes, with the first point of a curve on it.
+
+    The page's script draws the curve itself; here it decides from which side it is looked at.
 
     Parameters
     ----------
+    semi_axes : of the ellipsoid, along x, y and z, in the unit of `points`, (3,)
+    names : names of the three axes, written at their ends
     points : points of the curve, (n, 3)
     height : height of the figure, pixels
     overlay : which curve the script draws, as `_overlay` returns it

@@ -154,12 +154,14 @@ def log_of(
     is_stated: bool,
     has_omega: bool,
 ) -> Log:
-    """Return the samples of a motion as a log.
+    """Return a recorded motion as a log, with the exact motion's first state as its start.
 
     Parameters
     ----------
-    motion, exact : the recorded motion, and the exact one at the same times
-    noise, is_stated, has_omega : as in `Log`
+    motion : the recorded motion
+    exact : the exact motion; only its first state is used, that at the first recorded time
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
+    is_stated, has_omega : whether the noise was stated, not estimated; whether ω was recorded
     """
     start, states = states_of(exact.until(1))[0], states_of(motion)
     return Log(as_it_is(scenario), start, motion.t, states, noise, is_stated, has_omega)
