@@ -38,7 +38,8 @@ class Batch(ABC):
     def restart(self, states: State, timestep: float) -> None:
         """Set each of n worlds of one scene to a state of its own, as `Session.restart` does.
 
-        An engine that implements it says so with `Engine.restarts_batches`.
+        An engine that implements it says so with `Engine.restarts_batches`; without an
+        implementation it raises NotImplementedError.
 
         Parameters
         ----------

@@ -54,7 +54,10 @@ def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
 
 
 def along(R: FloatArray, derivative: FloatArray) -> FloatArray:
-    """Return a derivative, (3 n, 6), in axes b, given in axes a; R takes components a to b."""
+    """Return a derivative, (3 n, 3 m), in axes b, given in axes a; R takes components a to b.
+
+    Rows and columns are vectors, three numbers each.
+    """
     rows, columns = (np.kron(np.eye(n // 3), R) for n in derivative.shape)
     return np.asarray(rows @ derivative @ columns.T)
 

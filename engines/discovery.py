@@ -50,13 +50,20 @@ def add(engine: Engine) -> None:
 
 @cache
 def missing() -> tuple[Missing, ...]:
-    """Return the adapters that cannot be imported here, and why."""
+    """Return the engines that cannot be used here, each with the reason.
+
+    These are adapters that cannot be imported or are written for another version of the interface,
+    and engines whose package is not installed. `NameTaken` is raised as by `engines`.
+    """
     return _discover()[1]
 
 
 @cache
 def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
-    """Return the engines that can be used, by name, and those that cannot, with reasons."""
+    """Return the engines that can be used, by name, and those that cannot, with reasons.
+
+    It raises `NameTaken` if two engines share a name.
+    """
     engines: dict[str, Engine] = {}
     absent: list[Missing] = []
     names = [f"{adapters.__name__}.{info.name}" for info in pkgutil.iter_modules(adapters.__path__)]
@@ -96,7 +103,11 @@ def _missing(name: str, error: BaseException) -> Missing:
 
 
 def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
-    """Yield an instance of each engine class that a module, or a module of its package, defines."""
+    """Yield an instance of each engine class that a module, or a module of its package, defines.
+
+    Of a class for another version of the interface, or whose package is not installed, the reason
+    why it cannot be used is yielded instead.
+    """
     for cls in vars(module).values():
         if (
             isinstance(cls, type)
@@ -114,12 +125,13 @@ def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
 
 
 def _not_installed(engine: Engine) -> Missing:
+    """Return an engine whose package is not installed as missing, with how to install it."""
     how = f"pip install 'spincheck[{engine.extra or engine.name}]'"
     reason = f"the package '{engine.package}' is not installed; {how}"
     return Missing(engine.name, engine.package, reason)
 
 
 def _discovered_by(module: ModuleType) -> Iterable[Engine | Missing]:
-    """Return the engines that a module finds by its own function `discovered`."""
+    """Return the engines that a module finds by its own function `discovered`, if it has one."""
     discovered: Callable[[], Iterable[Engine | Missing]] = vars(module).get("discovered", tuple)
     return discovered()

@@ -85,6 +85,13 @@ def wait_for_answer(
 
 
 def _idle(process: psutil.Process, limit: float, used: float) -> Overdue:
+    """Return why a process without progress is given up: it was stopped from outside, or hangs.
+
+    Parameters
+    ----------
+    limit : CPU time that its answer may take, s
+    used : CPU time that it has used, s
+    """
     if _is_stopped(process):
         return Overdue(f"{limit:g} s: it was stopped from outside", "environment")
     return Overdue(f"{limit:g} s: it hangs, and used {used:.2g} s of CPU time", "time-out")

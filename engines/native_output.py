@@ -67,6 +67,7 @@ def _flush() -> None:
 
 
 def _contents(descriptor: int) -> str:
+    """Return all that was written to a file, given its descriptor, as text."""
     os.lseek(descriptor, 0, os.SEEK_SET)
     with os.fdopen(os.dup(descriptor), "rb") as file:
         return file.read().decode(errors="replace")

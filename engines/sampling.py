@@ -48,7 +48,7 @@ class Sampled:
 
 
 def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) -> Sampled:
-    """Step through all the samples, or until the engine diverges or fails.
+    """Step through all the samples, or until the engine diverges or fails; return the valid ones.
 
     Parameters
     ----------
@@ -73,7 +73,10 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
 
 
 def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
-    """Yield the index of the first sample of each block, and of the first sample after it."""
+    """Yield the index of the first sample of each block, and of the first sample after it.
+
+    `steps` are the numbers of steps up to each sample, increasing, (n,).
+    """
     first = 0
     while first < len(steps):
         worth_a_look = int(np.searchsorted(steps, steps[first] + BLOCK_STEPS))

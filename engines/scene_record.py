@@ -93,7 +93,10 @@ class RecordFrame:
         return self.com_body - self.whole_body
 
     def motion(self, state: State) -> dict[str, list[float]]:
-        """Return a state by a record's keys: `q`, `omega`, `com`, `velocity` and any `spins`."""
+        """Return a state by a record's keys: `q`, `omega`, `com`, `velocity` and any `spins`.
+
+        The record's com is that of the body without rotors.
+        """
         world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
         com_world, velocity_world = state.com_world, state.velocity_world
         if self._lag_body.any():
@@ -199,4 +202,5 @@ def _rotor(rotor: Rotor, frame: RecordFrame) -> dict[str, Any]:
 
 
 def _numbers(vector: FloatArray) -> list[float]:
+    """Return a vector as a list of Python's floats."""
     return [float(value) for value in vector]

@@ -60,12 +60,16 @@ def kill(process: "subprocess.Popen[Any]") -> int:
 
 
 def _kill_group(group: int) -> None:
+    """Kill all processes of a group; nothing happens if there is none."""
     with suppress(OSError):
         getattr(os, "killpg", os.kill)(group, _KILL)
 
 
 def run(command: Sequence[str], limit: float, **options: Any) -> "subprocess.CompletedProcess[str]":
-    """Run a command to its end, without standard input; return what it printed.
+    """Run a command to its end, without standard input; return its exit code and what it printed.
+
+    `options` are those of `subprocess.Popen`, and replace the defaults: output is captured as text.
+    Processes that the command has left behind are killed.
 
     Raises
     ------
@@ -130,6 +134,7 @@ class _Guard:
             self._process = None
 
     def _started(self) -> "subprocess.Popen[bytes]":
+        """Return the guard's process, which is started unless there is one."""
         if self._process is None:
             self._process = subprocess.Popen(
                 [sys.executable, ISOLATED, "-S", guard.__file__],
@@ -142,6 +147,7 @@ class _Guard:
         return self._process
 
     def _write(self, process: "subprocess.Popen[bytes]", groups: list[int]) -> None:
+        """Write numbers of groups, one a line, to the process of a guard."""
         assert process.stdin is not None, "it is a pipe"
         process.stdin.write("".join(f"{group}\n" for group in groups).encode())
 

@@ -46,7 +46,7 @@ def use_warp_device(world: str, name: str) -> None:
 
 
 def warp_device() -> str:
-    """Return the name of the device that Warp steps on, for a batch."""
+    """Return the device that Warp steps on, for a batch: "CPU", or name and alias of a GPU."""
     warp: Any = import_module("warp")
     device = warp.get_device()
     return "CPU" if device.is_cpu else f"{device.name} ({device.alias})"

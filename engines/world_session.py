@@ -37,8 +37,10 @@ class WorldSession(Session):
     ----------
     module : the name of the adapter's stand-alone module, which imports the engine. Its class
         `World(scene, method, timestep)` takes the scene as a record, and has `advance(steps)`,
-        `restart(motion, timestep)` and `motion()`: attitude w x y z and ω of the record's axes, com
-        and its velocity, world axes, (13,)
+        `restart(motion, timestep)`, whose motion has the keys of a record, and `motion()`: attitude
+        w x y z and ω of the record's axes, com and its velocity, world axes, and the spins, (13 +
+        rotors,)
+    method : name of the method
     """
 
     def __init__(self, module: str, scenario: Scenario, method: str, timestep: float) -> None:
@@ -49,7 +51,7 @@ class WorldSession(Session):
 
     @abstractmethod
     def world_body(self) -> WorldBody:
-        """Return the body as the engine holds it."""
+        """Return the body as the engine holds it, along the axes of the record."""
 
     @property
     def can_restart(self) -> bool:
@@ -149,7 +151,7 @@ class WorldBatch(Batch):
         self._worlds.advance(steps)
 
     def snapshots(self, places: Sequence[int]) -> Sequence[Any]:
-        """Return the motions of the worlds whose indices are in `places`."""
+        """Return the motions of the worlds whose indices are in `places`, in that order."""
         motions: Sequence[Any] = self._worlds.motions(list(places))
         return motions
 

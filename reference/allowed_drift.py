@@ -21,7 +21,8 @@ SUMMED = 8
 def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) -> dict[str, float]:
     """Return the largest drift from each conservation law that errors of the states explain.
 
-    The keys are the names of the laws, and drifts are relative to the scale of the law.
+    The keys are the names of the laws, and drifts are relative to the scale of the law. Where that
+    scale is zero, only the rounding of the drift itself is allowed.
 
     Parameters
     ----------

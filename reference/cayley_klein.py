@@ -28,7 +28,7 @@ class CayleyKlein(NamedTuple):
         return (self.A.real, -self.B.imag, self.B.real, self.A.imag)
 
     def rates(self, omega: Vector) -> tuple[mpc, mpc]:
-        """Return A' and B', 1/s, at an angular velocity, rad/s, along the axes that are turned."""
+        """Return A' and B', 1/s, given the angular velocity, rad/s, along the turned axes."""
         W, spin = transverse(omega), mpc(0, omega[2])
         return (spin * self.A - W * self.B) / 2, (mp.conj(W) * self.A - spin * self.B) / 2
 
@@ -39,7 +39,7 @@ def of_quaternion(q: Quaternion) -> CayleyKlein:
 
 
 def transverse(omega: Vector) -> mpc:
-    """Return W = ω2 + iω1, which stands for ω across the third axis, rad/s."""
+    """Return W = ω2 + iω1, the part of ω across the third axis, in the unit of ω."""
     return mpc(omega[1], omega[0])
 
 

@@ -2,8 +2,9 @@
 
 The numbers that are changed, in extended precision, are ω and attitude at t = 0, the principal
 moments, the length of the lever, and the angular momenta that the body's parts keep. Each is
-changed by the same amount relative to the largest number of its kind. Equal moments stay equal and
-the lever keeps its direction, because rounding during a run does not change a body's symmetry.
+changed by the same amount relative to itself, or to |ω| for a component of ω. Equal moments stay
+equal and the lever keeps its direction, because rounding during a run does not change a body's
+symmetry.
 
 To first order the change of the motion is J x, where x holds the dozen or so changes ("nudges").
 It is measured for four vectors x of random signs only: the root mean square of |J x| over random
@@ -41,15 +42,16 @@ Solved = Callable[[Problem], Trajectory]
 
 
 def nudged(problem: Problem, k: int, size: mpf) -> Problem:
-    """Return the problem with all its numbers changed by a relative size, each up or down.
+    """Return the problem with start, moments, lever and rotors' momenta changed up or down.
 
-    ω is changed relative to its own size or, if that is larger, to the rate of the body's swing,
-    √(m g l / I).
+    ω is changed relative to |ω| or, if that is larger, to the rate of the body's swing, √(m g l/I);
+    the attitude is turned by `size` rad about each axis. A table of the changed problem can also
+    pull.
 
     Parameters
     ----------
     k : which of the `COUNT` choices of signs to use
-    size : relative change of each number
+    size : change of each number, relative to that number
     """
     with mp.workdps(DIGITS):
         by_moment = {
@@ -86,7 +88,8 @@ def conditioning(
 ) -> Errors:
     """Return how much each signal of a motion changes by one ulp in its start and body.
 
-    Each number returned is at least one ulp.
+    It is the root mean square over `COUNT` choices of signs, and at least one ulp, in the unit of
+    errors: relative, or rad.
 
     Parameters
     ----------

@@ -126,6 +126,7 @@ class Law:
 
 
 def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    """Return T + V less the work of drives, J, (n,)."""
     total = energy_of(scene.scenario, motion)
     for work in filter(None, (effect.work for effect in scene.scenario.acting)):
         total = total - work(scene.scenario, motion)
@@ -133,19 +134,23 @@ def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    """Return L less the impulse τ t of a torque fixed in the world, world axes, kg m²/s, (n, 3)."""
     impulse = motion.t[:, None] * scene.scenario.pushed["torque_world"]
     return np.asarray(angular_momentum_world(scene.scenario, motion) - impulse)
 
 
 def _L_norm(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    """Return ‖L‖, less the impulse as in `_L_world`, kg m²/s, (n,)."""
     return np.asarray(np.linalg.norm(_L_world(scene, motion), axis=1))
 
 
 def _L_vertical(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    """Return L along the upward vertical, less the impulse as in `_L_world`, kg m²/s, (n,)."""
     return np.asarray(_L_world(scene, motion) @ scene.up_world)
 
 
 def _L_axial(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    """Return L along the axis less the impulse of the body's torque about it, kg m²/s, (n,)."""
     axis_world = motion.R_world_body.apply(scene.axis_body)
     L_world = angular_momentum_world(scene.scenario, motion)
     impulse = motion.t * (scene.scenario.pushed["torque_body"] @ scene.axis_body)
@@ -165,17 +170,20 @@ def _goryachev_chaplygin(scene: InvariantScales, motion: Trajectory) -> FloatArr
 
 
 def _momentum(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    """Return the momentum less its gain by gravity, kg m/s, (n, 3); 0 along axes that are held."""
     gained = motion.t[:, None] * scene.scenario.gravity_world
     return scene.scenario.body.mass * (motion.velocity_world - gained) * scene.is_flying
 
 
 def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    """Return the r at t = 0 of the parabola through each state, m, (n, 3); 0 along held axes."""
     t = motion.t[:, None]
     fallen = t**2 / 2 * scene.scenario.gravity_world
     return (motion.com_world - t * motion.velocity_world + fallen) * scene.is_flying
 
 
 def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
+    """Return the place of the point that is held, m, (n, 3); 0 along axes that are not held."""
     constraint = scene.scenario.constraint
     point_world = motion.com_world - motion.R_world_body.apply(np.array(constraint.lever))
     return point_world * constraint.is_held
@@ -201,7 +209,7 @@ def _is_symmetric(scene: InvariantScales) -> bool:
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
-    """Whether gravity is the only force on the com along the world's axes that are not held."""
+    """Whether the body has no pivot, and no force but gravity acts on its com along free axes."""
     forces = {effect.name for effect in scene.scenario.acting if effect.is_force}
     return not scene.scenario.constraint.is_pivot and forces <= {"gravity"}
 

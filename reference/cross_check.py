@@ -41,9 +41,13 @@ class CrossCheck:
 
 
 def times_within_reach(scenario: Scenario, exact: Trajectory) -> FloatArray:
-    """Return the sample times up to which DOP853 takes no more than some seconds.
+    """Return the sample times, s, that DOP853 reaches within some seconds of computing.
 
-    If they are not all, the last time that it reaches is added, s.
+    If it does not reach all of them, the time at which it is stopped is appended.
+
+    Parameters
+    ----------
+    exact : the exact motion at all samples
     """
     rate = fastest_rate(scenario, exact.omega_body)
     end = REACH / rate if rate else np.inf
@@ -140,6 +144,7 @@ def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]
 
 
 def _product(M: list[list[float]], v: list[float]) -> list[float]:
+    """Return the product of a matrix, (3, 3), and a vector, (3,), as plain floats."""
     x, y, z = v
     return [row[0] * x + row[1] * y + row[2] * z for row in M]
 
@@ -165,7 +170,7 @@ def _tolerance(scenario: Scenario) -> float:
 
 
 def _longest_step(scenario: Scenario) -> float:
-    """Return the longest step, s, in which the spin decays by a factor e, or the body turns `TURN`.
+    """Return the longest step, s: the decay time, or that of a turn by `TURN`; inf without either.
 
     DOP853 would be stable over six times the decay time, but misjudges its error there. Over a turn
     larger than `TURN` its dense output is of lower order than the step.

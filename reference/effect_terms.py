@@ -140,7 +140,7 @@ GRAVITY = EffectTerms(
 
 
 def _spin_down(scenario: Scenario, problem: Problem) -> Iterator[Fact]:  # noqa: ARG001
-    """Yield the spin-down time of a symmetric body under drag."""
+    """Yield the spin-down time of a symmetric body under drag; nothing for any other body."""
     axis = symmetry_axis(problem)
     if problem.drag and axis is not None:
         time = float(moment_about(problem, axis) / problem.drag)
@@ -177,7 +177,7 @@ TORQUE_OF_WORLD = EffectTerms(
 
 
 def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
-    """Return the numbers of a table that `Problem` holds, by attribute; empty without one."""
+    """Return the numbers of a table that `Problem` holds, by attribute; empty without a table."""
     table = scenario.effects.table
     if table is None:
         return {}
@@ -187,6 +187,7 @@ def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
 
 
 def _body_on_table(scenario: Scenario, q: Quaternion, change: BodyChange) -> Numbers:  # noqa: ARG001
+    """Return the change of a table's numbers in `Problem` by a change of the body."""
     x, y, z = rotate(q, change.lever_body)
     return {"tip_axes": (-x, -y, -z), "mass": change.mass}
 
@@ -211,6 +212,7 @@ TABLE = EffectTerms(
 
 
 def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
+    """Yield the rotors' angular momentum and its gyroscopic rate; nothing without rotors."""
     if problem.kept:
         kept, rate = float(norm(problem.kept_momentum)), gyroscopic_rate(scenario)
         yield Fact("rotors' momentum", kept, "kg m²/s", "‖h‖, what free and driven hinges keep")
@@ -218,7 +220,7 @@ def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
 
 
 def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
-    """Return how the angular momenta that rotors keep change by a unit of each spin."""
+    """Return how the angular momenta that rotors keep change by a unit, rad/s, of each spin."""
     rotors = scenario.rotors.each
     return {
         "spins": [
@@ -229,6 +231,7 @@ def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
 
 
 def _kept_of_omega(scenario: Scenario, omega_body: Vector) -> Numbers:
+    """Return the change of the momenta that rotors keep by a change of ω, rad/s, body axes."""
     still = [replace(rotor, spin=mpf(0)) for rotor in scenario.rotors.each]
     return {"kept": [kept_exact(rotor, omega_body) for rotor in still]}
 

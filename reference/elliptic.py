@@ -120,6 +120,8 @@ def theta(n: int, lattice: Lattice, y: mpf = 0, doubled: bool = False) -> Theta:
 
     Parameters
     ----------
+    n : which theta function, 1 to 4
+    y : shift of the argument along the imaginary axis, in the unit of u
     doubled : whether to use the lattice with 2K' in place of K', whose nome is q² (hyperbolic: √q')
     """
     nome, stretch = lattice.nome, mpf(1)
@@ -162,7 +164,7 @@ class Jacobi:
     denominator: Theta
 
     def __call__(self, x: mpf) -> tuple[mpf, mpf, mpf]:
-        """Return sn, cn and dn at real x."""
+        """Return sn, cn and dn at real x = lattice.scale · u."""
         hyperbolic = self.denominator.hyperbolic
         below, _ = self.denominator.value_and_slope(x)
         sn, cn, dn = (
@@ -187,7 +189,7 @@ def jacobi(lattice: Lattice) -> Jacobi:
 
 
 def scaled(harmonics: Harmonics, factor: mpf) -> Harmonics:
-    """Return a real series with all its coefficients multiplied by a number."""
+    """Return a real series with all its coefficients multiplied by a factor."""
     return Harmonics(harmonics.kind, tuple(factor * a for a in harmonics.coefficients))
 
 
@@ -209,7 +211,7 @@ def _quarter_period(complement: mpf) -> mpf:
 
 
 def _sum(harmonics: Harmonics, x: mpf, hyperbolic: bool) -> tuple[mpf, mpf]:
-    """Return the value of a real series at x, and its derivative at x."""
+    """Return a real series at x, of sinh and cosh if `hyperbolic`, and its derivative by x."""
     sine: Callable[[mpf], mpf] = mp.sinh if hyperbolic else mp.sin
     cosine: Callable[[mpf], mpf] = mp.cosh if hyperbolic else mp.cos
     kind = harmonics.kind

@@ -63,6 +63,7 @@ def facts(scenario: Scenario) -> list[Fact]:
 
 
 def _start(scenario: Scenario, problem: Problem) -> Trajectory:
+    """Return the exact motion at t = 0 alone."""
     states = np.array([problem.q_world_axes], float), np.array([problem.omega_axes], float)
     return motion(scenario, problem, np.zeros(1), states)
 
@@ -164,5 +165,6 @@ def _of_a_free_body(problem: Problem) -> Iterator[Fact]:
 
 
 def _deg(cosine: object) -> float:
+    """Return the angle, degrees, that has a given cosine."""
     with mp.workdps(DIGITS):
         return float(mp.degrees(mp.acos(cosine)))

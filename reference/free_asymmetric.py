@@ -115,6 +115,7 @@ def _triad(problem: Problem) -> tuple[tuple[Vector, Vector, Vector], mpf]:
 
 
 def _directed(axis: int, forward: bool) -> Vector:
+    """Return the unit vector along a principal axis, 0 to 2, or against it if not `forward`."""
     x, y, z = UNIT_VECTORS[axis]
     return (x, y, z) if forward else (-x, -y, -z)
 
@@ -150,7 +151,13 @@ def _jacobi_motion(moments: Vector, omega: Vector, D: mpf) -> JacobiMotion:
 def _closed_form(
     problem: Problem, triad: tuple[Vector, Vector, Vector], omega: Vector, body: JacobiMotion
 ) -> ClosedForm:
-    """Return the closed form, given ω at t = 0 and the constants of ω(t), along e1, e2, e3."""
+    """Return the closed form, given ω at t = 0 and the constants of ω(t), along e1, e2, e3.
+
+    Parameters
+    ----------
+    triad : e1, e2, e3 in principal components
+    omega : rad/s
+    """
     I1, I2, I3 = body.moments
     start = with_L_upright((I1 * omega[0], I2 * omega[1], I3 * omega[2]))
     q_frame_axes = from_matrix(triad)
@@ -171,7 +178,13 @@ def _closed_form(
 def _attitude(
     body: JacobiMotion, clock: Clock, functions: Jacobi, start: CayleyKlein, omega: Vector
 ) -> tuple[Quotient, Quotient, mpf]:
-    """Return A and B as quotients of theta functions, and the sum of their relative residuals."""
+    """Return A and B as quotients of theta functions, and the sum of their relative residuals.
+
+    Parameters
+    ----------
+    functions : the Jacobi functions of the lattice, by the clock's argument x
+    start, omega : attitude in the frame with z along L, and ω along e1, e2, e3, rad/s, at t = 0
+    """
 
     def at(x: mpf) -> tuple[CayleyKlein, tuple[mpc, mpc]]:
         """Return A and B at an argument x, up to their phases, and A' and B' with the same phases.

@@ -56,7 +56,7 @@ def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
 
 
 def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
-    """Return Kovalevskaya's constant along a trajectory, rad⁴/s⁴, (n,)."""
+    """Return Kovalevskaya's constant along a trajectory, rad⁴/s⁴, (n,); `frame` has e1, e2, e3."""
     omega, gamma = _along(problem, frame, motion)
     spin = (omega[:, 0] + 1j * omega[:, 1]) ** 2
     weight = pull_over_third_moment(problem, frame) * (gamma[:, 0] + 1j * gamma[:, 1])
@@ -64,7 +64,7 @@ def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArr
 
 
 def goryachev_chaplygin(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
-    """Return Goryachev and Chaplygin's constant along a trajectory, rad³/s³, (n,)."""
+    """Return Goryachev–Chaplygin's constant on a motion, rad³/s³, (n,); `frame` has e1, e2, e3."""
     omega, gamma = _along(problem, frame, motion)
     weight = pull_over_third_moment(problem, frame)
     across = omega[:, 0] ** 2 + omega[:, 1] ** 2
@@ -85,7 +85,10 @@ def _along(problem: Problem, frame: Frame, motion: Trajectory) -> tuple[FloatArr
 
 
 def _equatorial_frame(problem: Problem, ratio: int) -> Frame | None:
-    """Return e1, e2, e3 of a heavy top with I1 = I2 = ratio · I3; None for any other body."""
+    """Return e1, e2, e3 of a heavy top with I1 = I2 = ratio · I3, in principal components.
+
+    The com must be in the plane of e1 and e2, and gravity alone turn the body; else it is None.
+    """
     with mp.workdps(DIGITS):
         length = norm(problem.lever_axes)
         if gravity_torque_scale(problem) == 0 or not is_undriven(problem):

@@ -73,6 +73,7 @@ def lagrange(problem: Problem) -> ClosedForm:
 
 
 def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
+    """Return the upright frame and the top's, whose axes are `triad`, in principal components."""
     up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
     return Frames(conjugate(_upright(up_world)), from_matrix(triad), triad)
 
@@ -109,7 +110,10 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
 def _steady(
     frames: Frames, start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> ClosedForm:
-    """Return steady precession in closed form: |A|, |B| and their phases' rates are constant."""
+    """Return steady precession in closed form: |A|, |B| and their phases' rates are constant.
+
+    The parameters are as in `_swinging`.
+    """
     delta, spin = constants_of_motion.delta, omega[2] - constants_of_motion.d
     above, below = (2 - delta, delta) if constants_of_motion.pole > 0 else (delta, 2 - delta)
     rates = (
@@ -158,7 +162,7 @@ def _swinging(
 def _starts(
     start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> tuple[InitialValue, InitialValue, InitialValue]:
-    """Return A, B and W at t = 0, with their derivatives.
+    """Return A, B and W at t = 0, with their derivatives; the parameters are as in `_swinging`.
 
     That of W follows from Euler's equations: W' = i (ω3 − d) W + b A B*.
     """
@@ -212,7 +216,7 @@ def _log_rates(
 ) -> tuple[LogRate, LogRate, LogRate]:
     """Return A'/A, B'/B and W'/W, 1/s, as functions of the argument x of the theta functions.
 
-    They follow from u, u̇ and the constants of motion.
+    They follow from u, u̇ and the constants of motion. The parameters are as in `_swinging`.
     """
     functions, spin = jacobi(swing.lattice), omega[2] - constants_of_motion.d
 

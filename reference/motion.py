@@ -97,8 +97,8 @@ def _placed(
 ) -> tuple[FloatArray, FloatArray]:
     """Return position, m, and velocity, m/s, of the centre of mass, (n, 3) each.
 
-    Along world axes along which the body is held they follow from attitude and ω; along the other
-    world axes the body is in free flight.
+    Along world axes along which the body is held they follow from attitude, (n, 4), and ω, rad/s,
+    (n, 3); along the other world axes the body is in free flight.
     """
     g, t = scenario.gravity_world, flight.seconds[:, None]
     fallen = flight.com_world + flight.velocity_world * t + 0.5 * g * t**2

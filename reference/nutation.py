@@ -82,7 +82,8 @@ def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf
 
     A difference of numbers that agree to working precision is set to zero.
 
-    With γ the upward vertical along the top's axes, −γ1 + iγ2 = 2 A B*.
+    With γ the upward vertical along the top's axes, −γ1 + iγ2 = 2 A B*. The other parameters are as
+    in `constants`.
     """
     W = transverse(omega)
     tilt = abs(start.B if pole > 0 else start.A)
@@ -192,4 +193,5 @@ def _within_bounds(deltas: list[mpf], pole: int) -> Vector:
 
 
 def _difference(a: mpf, b: mpf, scale: mpf = 0) -> mpf:
+    """Return a − b; 0 if they are equal to working precision of |a|, |b| or `scale`."""
     return mpf(0) if equal(a, b, scale) else a - b

@@ -82,7 +82,10 @@ class OtherEquations(NamedTuple):
     rate: float
 
     def with_inertia(self, inertia: FloatArray) -> "OtherEquations":
-        """Return the equations with another tensor I, kg m², (3, 3); nan if it has no inverse."""
+        """Return the equations with another tensor for both I and G, kg m², (3, 3).
+
+        Its inverse is nan if the tensor is singular.
+        """
         return self._replace(inertia=inertia, inverse=inverse(inertia), gyroscopic=inertia.copy())
 
 

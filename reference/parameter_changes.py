@@ -105,6 +105,11 @@ def _of_body(
 
     Its arguments are the changes of the inertia about the com, kg m², of the mass, kg, and of the
     com, m, in body axes.
+
+    Parameters
+    ----------
+    q : quaternion from body axes to principal axes
+    acting : terms of the effects that the scene calls for
     """
     own, whole = scenario.carrier, scenario.body
     mass, com, whole_com = own.mass_exact, exact(own.com_exact), exact(whole.com_exact)
@@ -128,6 +133,7 @@ def _of_body(
 
 
 def _joined(each: Iterable[Numbers]) -> Numbers:
+    """Return the changes of several effects in one dictionary; no attribute is in two of them."""
     return {name: by for numbers in each for name, by in numbers.items()}
 
 

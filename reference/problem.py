@@ -75,7 +75,7 @@ class Problem:
         return mp.sqrt(dot(self.tip_axes, self.tip_axes)) ** 2 * self.mass
 
     def lengthened(self, factor: mpf) -> "Problem":
-        """Return the problem with longer levers and, if it has a table, one that can also pull."""
+        """Return the problem with levers longer by a factor; its table, if any, can also pull."""
         levers = {
             name: tuple(factor * component for component in getattr(self, name))
             for name in ("lever_axes", "tip_axes")

@@ -216,7 +216,12 @@ def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]
 
 
 def _turned(varied: _Varied, times: FloatArray, orders: Orders) -> FloatArray:
-    """Return the derivative of attitude, rad, and ω, rad/s, by a change, body axes, (n, 6)."""
+    """Return the derivative of attitude, rad, and ω, rad/s, by a change, body axes, (n, 6).
+
+    Parameters
+    ----------
+    times : s, (n,)
+    """
     states, tangents = _marched(varied, times, orders)
     (w, x, y, z), (dw, dx, dy, dz) = states[:, Q : Q + 4].T, tangents[:, Q : Q + 4].T
     # The vector part of q̄ δq is δθ/2.
@@ -233,7 +238,17 @@ def _turned(varied: _Varied, times: FloatArray, orders: Orders) -> FloatArray:
 
 
 def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatArray, FloatArray]:
-    """Return states and their derivatives by a change, principal axes, (n, STATE) each."""
+    """Return states and their derivatives by a change, principal axes, (n, STATE) each.
+
+    Parameters
+    ----------
+    times : s, (n,)
+
+    Raises
+    ------
+    IntegrationError
+        If a derivative leaves the range of doubles, or takes more than `MAX_STEPS` steps.
+    """
     series = Dual(*(_first_order(row, orders) for row in (varied.start, varied.tangent)))
     high, low = inverses_to(orders.total)
     counts = np.arange(orders.total + 1.0)
@@ -329,6 +344,8 @@ def _heaved(
 def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
     """Return derivatives by the names that `Sensitivity` has, with `moments` added.
 
+    There are none if `derived` is empty.
+
     Parameters
     ----------
     derived : derivatives by the names of `changes`
@@ -370,7 +387,13 @@ def _apart(
 def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
     """Return the largest difference relative to the largest value.
 
-    Columns of different units are compared apart; the largest of their ratios is returned.
+    Columns of different units are compared apart; the largest of their ratios is returned, 0 for
+    values that are all zero.
+
+    Parameters
+    ----------
+    difference, values : (n, 6, k) or (n, 6)
+    rate : the unit of ω, rad/s
     """
     unit = np.repeat([1.0, rate], 3)[:, None]
     worst = 0.0
@@ -387,5 +410,6 @@ def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
 
 
 def _conditioning(state_transition: FloatArray, rate: float) -> FloatArray:
+    """Return the largest singular values of state transitions, with ω in units of `rate`, (n,)."""
     unit = np.repeat([1.0, rate], 3)
     return read_only(np.linalg.norm(state_transition / unit[:, None] * unit, 2, axis=(1, 2)))

@@ -71,7 +71,7 @@ def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Soluti
 
     Conditioning may be NaN, because no verdict depends on one of many scenes. A closed form is used
     only where the series does not reach the last time, as beside a saddle: finding it costs as much
-    as hundreds of radians of the series.
+    as hundreds of radians of the series. It raises what `solve` raises.
 
     Parameters
     ----------
@@ -108,7 +108,12 @@ class ExactMotion:
         return [_part(together, times) for times in rows]
 
     def outline(self, times: FloatArray) -> Trajectory:
-        """Return the motion that `solve` finds, up to its horizon, without its uncertainty."""
+        """Return the motion that `solve` finds, up to its horizon, without its uncertainty.
+
+        Parameters
+        ----------
+        times : (n,) s, increasing, from 0 on
+        """
         times = _increasing(times)
         if self._closed is not None:
             return motion(self._scenario, self._problem, times, self._closed.states(times))
@@ -123,6 +128,7 @@ def _posed(scenario: Scenario) -> tuple[Problem, ClosedForm | None]:
 
 
 def _increasing(times: FloatArray) -> FloatArray:
+    """Return times, s, as an array; raise `ValueError` unless they increase from 0 on."""
     times = np.asarray(times, dtype=float)
     if not (len(times) and times[0] >= 0 and (np.diff(times) > 0).all()):
         raise ValueError("'times' must increase from 0 on.")
@@ -151,7 +157,19 @@ def _part(together: Solution, times: FloatArray) -> Solution:
 
 
 def solve_ode(scenario: Scenario, times: FloatArray) -> Trajectory:
-    """Return a scene's motion by the ODE integrator, even if the scene has a closed form."""
+    """Return a scene's motion by the ODE integrator, even if the scene has a closed form.
+
+    Parameters
+    ----------
+    times : (n,) s, increasing, from 0 on
+
+    Raises
+    ------
+    ValueError
+        If the times do not increase or are negative.
+    IntegrationError
+        If the motion cannot be integrated to the last time, or the body leaves its table before.
+    """
     problem = rotational_problem(scenario)
     return motion(scenario, problem, times, integrate(problem, times))
 
@@ -177,7 +195,7 @@ def _solve_closed(
 
 
 def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -> Errors:
-    """Return how far a closed form is from the ODE's solution, while that solution is accurate.
+    """Return how far a closed form, `by_form`, is from the ODE while the ODE is accurate.
 
     Beside a saddle the ODE's solution is inaccurate: its rounding error grows, and that of the
     closed form does not. Where the two differ, the most expensive series is used instead, up to the
@@ -199,7 +217,7 @@ def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -
 def _count_of_agreeing_samples(
     scenario: Scenario, trajectory: Trajectory, coarser: Trajectory
 ) -> int:
-    """Return the number of first samples at which two solutions agree to `MAX_UNCERTAINTY`."""
+    """Return at how many first samples ω and attitude agree to `MAX_UNCERTAINTY`."""
     series = error_series(scenario, trajectory, coarser)
     beyond = np.flatnonzero(np.maximum(series["omega"], series["attitude"]) > MAX_UNCERTAINTY)
     return int(beyond[0]) if len(beyond) else len(trajectory.t)
@@ -278,7 +296,13 @@ class _Known(NamedTuple):
 
 
 def _integrated_to_horizon(scenario: Scenario, problem: Problem, times: FloatArray) -> _Known:
-    """Return the motion by two series, up to where they disagree or the body leaves its table."""
+    """Return the motion by two series, up to where they disagree or the body leaves its table.
+
+    Raises
+    ------
+    IntegrationError
+        If the motion is not known at the first of the times.
+    """
 
     def integrated(orders: Orders) -> Trajectory:
         return motion(scenario, problem, times, integrate(problem, times, orders))
@@ -323,8 +347,10 @@ def _checked_times(times: FloatArray, rate: float) -> FloatArray:
 
 
 def _larger(errors: Errors, others: Errors) -> Errors:
+    """Return the larger of two errors for each signal."""
     return Errors(**{name: max(size, others[name]) for name, size in errors})
 
 
 def _at_least(errors: Errors, least: float) -> Errors:
+    """Return errors, each raised to `least` if it is smaller."""
     return Errors(**{name: max(value, least) for name, value in errors})

@@ -34,6 +34,11 @@ def body_cone_rate(I1: float, I3: float, omega3: float) -> float:
 
     ω1 + iω2 ∝ exp(iΩt) with Ω = (I3 − I1)/I1 ω3 (Goldstein §5.6; the Chandler wobble is the
     Earth's).
+
+    Parameters
+    ----------
+    I1, I3 : moments across and about the axis, kg m²
+    omega3 : ω about the axis, rad/s
     """
     with mp.workdps(DIGITS):
         return float((mpf(I3) - I1) / I1 * omega3)
@@ -44,6 +49,10 @@ def separatrix_distance(moments: Vector, omega: Vector) -> float:
 
     If it is positive, ω circulates about the axis of the largest moment, if negative about that of
     the smallest (Landau & Lifshitz, Mechanics, §37).
+
+    Parameters
+    ----------
+    moments, omega : principal moments, kg m², and ω along their axes, rad/s
     """
     with mp.workdps(DIGITS):
         square = mp.fsum((moment * w) ** 2 for moment, w in zip(moments, omega, strict=True))
@@ -57,6 +66,10 @@ def tumbling_period(moments: Vector, omega: Vector) -> float | None:
     the middle axis and 3 the one that ω circulates about (Landau & Lifshitz §37, eq. 37.8–12);
     by Carlson, 4K/p = 4 R_F(0, p² k'², p²) (DLMF 19.25.1). In the limit of rotation about an
     extreme axis this is the period of its wobble.
+
+    Parameters
+    ----------
+    moments, omega : as for `separatrix_distance`
 
     Returns
     -------
@@ -83,5 +96,9 @@ def _excess(moments: Vector, omega: Vector, of: mpf) -> mpf:
     """Return L² − 2 E I for the moment I = `of`, kg² m⁴/s².
 
     It is summed axis by axis, so that the axis of this moment drops out exactly.
+
+    Parameters
+    ----------
+    moments, omega : as for `separatrix_distance`
     """
     return mp.fsum(moment * (moment - of) * w**2 for moment, w in zip(moments, omega, strict=True))

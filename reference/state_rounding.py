@@ -20,8 +20,8 @@ LOOKED_AT = 64
 def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
     """Return the error of each signal that rounding of a motion's states to doubles causes.
 
-    It is large where opposite angular momenta cancel. Rounding errors of single components have
-    random signs, so that the squares of their effects are added.
+    It is relative or in rad, and large where opposite angular momenta cancel. Rounding errors of
+    single components have random signs, so that the squares of their effects are added.
     """
     every = -(-len(motion.t) // LOOKED_AT)
     seen = motion.every(every)
@@ -44,7 +44,7 @@ def moved_states(
 
     Parameters
     ----------
-    uncertainty : errors of ω and attitude
+    uncertainty : errors of ω, relative to its largest norm, and of attitude, rad
     placed : error of position and velocity of the com, and of spins, in ulp
     """
     speed = float(np.linalg.norm(motion.omega_body, axis=1).max())
@@ -65,7 +65,7 @@ def moved_states(
 
 
 def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:
-    """Return a motion with the com's position and velocity that follow from attitude and ω."""
+    """Return a motion whose com follows from attitude and ω along axes that are held."""
     constraint = scenario.constraint
     swing_world = motion.to_world(np.cross(motion.omega_body, constraint.lever))
     return replace(

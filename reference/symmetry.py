@@ -110,7 +110,7 @@ def to_body(problem: Problem, vector_axes: Vector) -> Vector:
 
 
 def _axis_of_the_single_moment(moments: Vector) -> int | None:
-    """Return the index of the moment that differs from the other two, which are equal, or None."""
+    """Return the index of the moment that differs from two equal ones; None if there is none."""
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
         if equal(moments[i], moments[j]) and not equal(moments[k], moments[i]):

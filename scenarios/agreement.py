@@ -166,4 +166,5 @@ def norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
 
 
 def _normalised(q_wxyz: FloatArray) -> FloatArray:
+    """Return quaternions, (n, 4), divided by their norms."""
     return np.asarray(q_wxyz / norms(q_wxyz)[:, None])

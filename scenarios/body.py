@@ -30,7 +30,8 @@ class Body:
     Raises
     ------
     ValueError
-        If a moment is not positive, or one exceeds the sum of the others.
+        If the mass or a moment is not positive, a moment exceeds the sum of the others, or the
+        tensor about the origin leaves the range of doubles.
     """
 
     mass_exact: mpf
@@ -98,14 +99,26 @@ def _ascending(tensor: Tensor) -> FloatArray:
 
 
 def body_about_com(mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]) -> Body:
-    """Return a body whose inertia tensor, kg m², is given about its centre of mass."""
+    """Return a body whose inertia tensor is given about its centre of mass.
+
+    Parameters
+    ----------
+    mass : kg
+    com : from the body's origin, m, body axes, (3,)
+    inertia : kg m², body axes, (3, 3)
+
+    Raises
+    ------
+    ValueError
+        If no such body exists, as for `Body`.
+    """
     return Body(mpf(mass), vector(com), _tensor(inertia))
 
 
 def body_about_origin(
     mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]
 ) -> Body:
-    """Return a body whose inertia tensor, kg m², is given about its origin."""
+    """Return a body as `body_about_com` does, with its inertia tensor given about its origin."""
     arm = vector(com)
     return Body(mpf(mass), arm, add(_tensor(inertia), steiner(mpf(mass), arm), sign=-1))
 
@@ -127,6 +140,7 @@ def body_of_particles(particles: Sequence[Sequence[float]]) -> Body:
 
 
 def _tensor(rows: Sequence[Sequence[float]]) -> Tensor:
+    """Return the rows of a tensor in extended precision, without rounding."""
     first, second, third = (vector(row) for row in rows)
     return (first, second, third)
 

@@ -58,7 +58,8 @@ def find(names: Iterable[str]) -> list[Path]:
     Raises
     ------
     ScenarioError
-        If a name is none of these, a folder holds no scenario, or two files have the same name.
+        If a name is none of these, a folder holds no scenario or too many files, or two files have
+        the same name.
     """
     names = list(names)
     paths = [path for name in names for path in _find_one(name)] if names else _library()
@@ -91,6 +92,7 @@ def _toml_files(folder: Path) -> Iterator[Path]:
 
 @cache
 def _library() -> list[Path]:
+    """Return the paths of the scenario files of the library, sorted."""
     return scenario_files(LIBRARY)
 
 
@@ -104,7 +106,10 @@ def _of_current_folder(name: str) -> Iterator[Path]:
 
 
 def _find_one(name: str) -> list[Path]:
-    """Return the paths of the scenario files that one name stands for."""
+    """Return the paths of the scenario files that one name stands for.
+
+    It raises what `find` raises.
+    """
     if not name:
         raise ScenarioError("a scene's name is empty; '.' is the folder you are in")
     path, file = Path(name), Path(f"{name}.toml")

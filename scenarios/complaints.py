@@ -37,7 +37,7 @@ _IN_TOML = {
 def validation_message(details: list[ErrorDetails], text: str, where: str) -> str:
     """Return the message about errors that pydantic found in a scenario file.
 
-    It has one line for each key, however many of its entries are wrong.
+    It has one line for each key, however many of its entries are wrong, up to `MAX_COMPLAINTS`.
 
     Parameters
     ----------
@@ -94,7 +94,10 @@ def _explain(detail: ErrorDetails, keys: Keys) -> str:
 
 
 def _spell(keys: Keys) -> str:
-    """Return a path of keys as users read it: "[body] com[1]: " for ("body", "com", 1)."""
+    """Return a path of keys as users read it: "[body] com[1]: " for ("body", "com", 1).
+
+    It is empty for an empty path.
+    """
     if not keys:
         return ""
     tables = [key for key in keys if isinstance(key, str)]
@@ -136,6 +139,7 @@ def _rule(detail: ErrorDetails, keys: Keys) -> str:
 
 
 def _unknown_key(key: str, known_keys: Iterable[str]) -> str:
+    """Return the rule that an unknown key breaks, with the nearest of the known keys as a hint."""
     known_keys = sorted(known_keys)
     close = difflib.get_close_matches(key, known_keys, n=1)
     hint = f"did you mean '{close[0]}'? " if close else ""
@@ -160,6 +164,7 @@ def _models_in(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _shown(value: Any) -> str:
+    """Return a value as text for a message, of `MAX_SHOWN` characters at most."""
     try:
         return printable(repr(value), MAX_SHOWN)
     except ValueError:  # Python's own limit on the digits of an integer, here a hexadecimal one.

@@ -22,5 +22,5 @@ def fastest_rate(scenario: Scenario, omega_body: FloatArray) -> float:
 
 
 def decay_rate(scenario: Scenario) -> float:
-    """Return the fastest rate at which a scene's effects slow the body, 1/s."""
+    """Return the sum of the fastest rates at which a scene's effects slow the body, 1/s."""
     return sum(effect.decay(scenario) for effect in scenario.acting)

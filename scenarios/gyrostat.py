@@ -116,7 +116,11 @@ class Rotors:
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return the angular momentum about its axle that each rotor keeps, kg m²/s, (n, rotors).
 
-        It is C (u·ω + s) on a free hinge and C s on any other, for n states.
+        It is C (u·ω + s) on a free hinge and C s on any other.
+
+        Parameters
+        ----------
+        omega_body, spins : ω, body axes, (n, 3), and spins, (n, rotors), in n states, rad/s
         """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(self.along * (spins + turned))
@@ -125,6 +129,11 @@ class Rotors:
         """Return the spins, rad/s, (n, rotors), of rotors that keep angular momenta `kept`.
 
         It is the inverse of `Rotors.kept`.
+
+        Parameters
+        ----------
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        kept : as `Rotors.kept` returns them, kg m²/s, (n, rotors) or (rotors,)
         """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
@@ -162,6 +171,10 @@ class Rotors:
         """Return sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
         A size is |C s| + C |u·ω| at the start, which is not zero for a rotor that can turn.
+
+        Parameters
+        ----------
+        omega_body : ω at the start, rad/s, (3,)
         """
         turned = np.abs(self.axes_body @ omega_body)
         kept = np.asarray(self.along * (np.abs(self.start_spins) + turned))
@@ -172,12 +185,22 @@ class Rotors:
         return np.asarray(spins @ self.axial_body)
 
     def energy(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ (C s u·ω + ½ C s²), the rotors' part of T by their spins, J, (n,)."""
+        """Return Σ (C s u·ω + ½ C s²), the rotors' part of T by their spins, J, (n,).
+
+        Parameters
+        ----------
+        omega_body, spins : as for `Rotors.kept`
+        """
         turned = omega_body @ self.axes_body.T
         return np.asarray((self.along * spins * (turned + spins / 2)).sum(axis=-1))
 
     def work(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ C s u·ω of driven rotors, J, (n,), whose change is the work of their drives."""
+        """Return Σ C s u·ω of driven rotors, J, (n,), whose change is the work of their drives.
+
+        Parameters
+        ----------
+        omega_body, spins : as for `Rotors.kept`
+        """
         turned = omega_body @ self.axes_body.T * (1 - self.is_free)
         return np.asarray((self.along * spins * turned).sum(axis=-1))
 

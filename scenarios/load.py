@@ -44,7 +44,7 @@ def load(path: str | Path) -> Scenario:
 
 
 def load_each(paths: Iterable[str | Path]) -> tuple[list[Scenario], list[str]]:
-    """Return the scenarios of all valid files, and a message for each of the others."""
+    """Return the scenarios of all valid files, and a message for each invalid one."""
     scenarios, wrong = [], []
     for path in paths:
         try:
@@ -65,7 +65,7 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
     Raises
     ------
     ScenarioError
-        If the text is not TOML, or breaks a rule of the format.
+        If the name is not one of a scene, or the text is not TOML or breaks a rule of the format.
     """
     where = printable(str(path or name))
     if not is_scene_name(name):
@@ -90,6 +90,7 @@ def from_tables(tables: Mapping[str, Any], name: str = "scene") -> Scenario:
     ----------
     tables : the tables as `tomllib` returns them; NumPy's arrays and numbers may replace lists and
         numbers, and `spincheck = 1` may be missing
+    name : name of the scene
 
     Raises
     ------
@@ -115,7 +116,15 @@ def is_scene_name(name: str) -> bool:
 
 
 def _parsed(text: str, where: str) -> dict[str, Any]:
-    """Return the tables of a TOML text; raise `ScenarioError` if it is no scenario."""
+    """Return the tables of a TOML text.
+
+    Raises
+    ------
+    ScenarioError
+        If it is not TOML, or its first key does not mark it as a scenario.
+    RecursionError
+        If it is nested too deeply.
+    """
     if is_nested_too_deeply(text):
         raise RecursionError
     try:
@@ -137,7 +146,13 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
 
 
 def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -> Scenario:
-    """Return the scenario of parsed tables after all checks between them."""
+    """Return the scenario of parsed tables after all checks between them.
+
+    Raises
+    ------
+    ValidationError, Misfit
+        If the tables break a rule of the format.
+    """
     scenario = build(Document.model_validate(tables), name=name, text=text, path=path)
     check_scales(scenario)
     for k, expected in enumerate(scenario.document.expect):

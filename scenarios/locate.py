@@ -47,6 +47,13 @@ def _key_lines(text: str) -> dict[Keys, int]:
 
 
 def _table_path(brackets: str, name: str, seen: dict[str, int]) -> Keys:
+    """Return the path of keys to the table of a heading.
+
+    Parameters
+    ----------
+    brackets : `[` of a table, or `[[` of one in an array of tables
+    seen : index of the last table of each array, which is updated
+    """
     if brackets == "[":
         return tuple(part.strip() for part in name.split("."))
     seen[name] = seen.get(name, -1) + 1

@@ -40,7 +40,10 @@ def read_text(path: Path) -> str:
 
 
 def first_key(path: Path) -> str:
-    """Return the first key of a TOML file, read from its first lines; empty if there is none."""
+    """Return the first key of a TOML file, read from its first lines; empty without one.
+
+    It is also empty if the file cannot be read.
+    """
     try:
         head = read_regular(path, HEAD)
     except OSError:

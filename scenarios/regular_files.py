@@ -115,6 +115,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def _opened(name: str, flags: int) -> int:
+    """Open a regular file without waiting; return its descriptor, or raise `OSError`."""
     descriptor = os.open(name, flags | _AT_ONCE)
     try:
         _check(os.fstat(descriptor).st_mode, name)
@@ -125,6 +126,7 @@ def _opened(name: str, flags: int) -> int:
 
 
 def _check(mode: int, path: Path | str) -> None:
+    """Raise `OSError` unless a mode, as of `os.stat`, is that of a regular file."""
     if stat.S_ISDIR(mode):
         raise IsADirectoryError(errno.EISDIR, "it is a folder", str(path))
     if not stat.S_ISREG(mode):

@@ -107,4 +107,5 @@ def _moments(scenario: Scenario) -> tuple[mpf, mpf, mpf]:
 
 
 def _inertia_keys(scenario: Scenario) -> tuple[str, ...]:
+    """Return the path of keys under which the file states the inertia."""
     return ("body", "inertia" if scenario.document.body.particles is None else "particles")

@@ -106,4 +106,5 @@ def _alike(sizes: FloatArray) -> list[int]:
 
 
 def _factor(n: float) -> float:
+    """Return exp(`SCATTER` · n), a random factor near 1."""
     return float(np.exp(SCATTER * n))

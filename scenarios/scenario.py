@@ -66,6 +66,7 @@ class Scenario:
         return self._digest("body", "rotors", "start", "effects", "window", "expect", "known")
 
     def _digest(self, *tables: str) -> str:
+        """Return the SHA-256, hexadecimal, of some tables of the file."""
         # Absent tables and keys are left out, so that a new effect in the format changes no other
         # scene's digest.
         written = self.document.model_dump_json(include=set(tables), exclude_none=True)
@@ -130,7 +131,12 @@ class Scenario:
         return "pivot" if self.constraint.is_pivot else "com"
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors)."""
+        """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
+
+        Parameters
+        ----------
+        omega_body, spins : ω, body axes, (n, 3), and spins, (n, rotors), in n states, rad/s
+        """
         return self.rotors.kept(omega_body, spins)
 
     @cached_property
@@ -161,7 +167,12 @@ class Scenario:
         return self.rotors.kept_body(kept)
 
     def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
-        """Return the spins, rad/s, (n, rotors), of rotors that keep angular momenta `kept`."""
+        """Return the spins, rad/s, (n, rotors), of rotors that keep angular momenta `kept`.
+
+        Parameters
+        ----------
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        """
         return self.rotors.spins(omega_body, kept)
 
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
@@ -237,7 +248,7 @@ def _rebuilt(text: str, name: str, path: Path | None) -> Scenario:
 
 
 def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:
-    """Return the scenario of a parsed document; `text` is the file that it was parsed from."""
+    """Return the scenario of a parsed document; `text` is that of its file."""
     carrier, rotors = document.body.body(), rotors_of(document.rotors)
     start = _start(document, carrier, rotors)
     return Scenario(name, path, text, document, carrier, rotors, start)
@@ -305,6 +316,7 @@ def started_at(
 
 
 def _start(document: Document, carrier: Body, rotors: Rotors) -> Start:
+    """Return the state at t = 0 of a body with its rotors."""
     return start_of(document.start, _constraint(document, whole(carrier, rotors)))
 
 

@@ -132,10 +132,12 @@ def radius_of_gyration(scene: Scene) -> float:
 
 
 def _way(scene: Scene, exact: Trajectory) -> float:
+    """Return the com's longest way from its start, m, at least the radius of gyration."""
     return max(_longest(exact.com_world - exact.com_world[0]), radius_of_gyration(scene))
 
 
 def _speed(scene: Scene, exact: Trajectory) -> float:
+    """Return the com's largest speed, m/s, at least |ω| times the radius of gyration."""
     turning = radius_of_gyration(scene) * _longest(exact.omega_body)
     return max(_longest(exact.velocity_world), turning)
 
@@ -163,22 +165,27 @@ def _energy_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
 
 
 def _com_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
+    """Return `Signal.in_flight` of the com."""
     return _relative(_moved(scene, exact, growth)[0], _way(scene, exact))
 
 
 def _velocity_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
+    """Return `Signal.in_flight` of the com's velocity."""
     return max(EPS, _relative(_moved(scene, exact, growth)[1], _speed(scene, exact)))
 
 
 def _fastest(_: Scene, exact: Trajectory) -> float:
+    """Return the largest norm of the rotors' spins, at least the largest |ω|, rad/s."""
     return max(_longest(exact.spins), _longest(exact.omega_body))
 
 
 def _longest(vectors: FloatArray) -> float:
+    """Return the largest norm of vectors, (n, k)."""
     return float(norms(vectors).max())
 
 
 def _relative(change: float, base: float) -> float:
+    """Return a change relative to a base; one ulp if the base is zero."""
     return change / base if base else EPS
 
 

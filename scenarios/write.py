@@ -37,12 +37,13 @@ def _lines(table: Mapping[str, Any], name: str) -> Iterator[str]:
 
 
 def _is_table(value: Any) -> bool:
+    """Whether a value is a table or an array of tables."""
     listed = isinstance(value, list) and bool(value)
     return isinstance(value, Mapping) or (listed and isinstance(value[0], Mapping))
 
 
 def _value(value: Any) -> str:
-    """Return a number, text or array as TOML."""
+    """Return a number, text, boolean or array as TOML."""
     if isinstance(value, list | tuple):
         return f"[{', '.join(_value(entry) for entry in value)}]"
     if isinstance(value, str):

@@ -14,7 +14,8 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[froze
     -------
     The effects that acted, as returned by `Session.active`, and words on how they differ from the
     effects that the scene calls for. The words are empty if no effect differs, or if the run is not
-    ok.
+    ok. No effects are returned if the run failed or the session cannot be audited, which the words
+    say.
 
     Raises
     ------

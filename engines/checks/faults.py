@@ -29,7 +29,10 @@ class Bounds:
 
 
 def faults(states: State, bounds: Bounds) -> Iterator[Fault]:
-    """Yield the first fault of each kind in n states, with the index of the state."""
+    """Yield the first fault of each kind in n states, with the index of the state.
+
+    The kinds are "not-finite", "not-unit", "clamp" and "pivot".
+    """
     timestep = bounds.timestep
     # The sum is not finite if any component is not, and takes much less time than a search.
     if not np.isfinite(sum(float(column.sum()) for column in states.columns)):
@@ -73,6 +76,7 @@ def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
     """Yield a fault for the first state whose pivot is too far from the world's origin.
 
     It is too far if it is further from the origin, where it should be, than from the com.
+    `arm_body` is the vector from the pivot to the com, m, (3,).
     """
     drift = norms(states.com_world - matrices(states.q_world_body_wxyz) @ arm_body)
     has_given_way = drift > np.linalg.norm(arm_body)
@@ -82,4 +86,5 @@ def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
 
 
 def _first(bad: Any) -> int:
+    """Return the index of the first true entry."""
     return int(np.argmax(bad))

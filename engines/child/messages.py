@@ -25,18 +25,21 @@ NEWEST = OLDEST = 1
 
 
 def _protocol(stated: int) -> int:
+    """Return a version of the protocol; raise ValueError if it cannot be spoken."""
     if reason := misfit("protocol", stated, OLDEST, NEWEST):
         raise ValueError(reason)
     return stated
 
 
 def _printable(text: str) -> str:
+    """Return a text; raise ValueError if it has characters that cannot be printed."""
     if not text.isprintable():
         raise ValueError("must be printable")
     return text
 
 
 def _effect(name: str) -> str:
+    """Return the name of an effect; raise ValueError if there is no such effect."""
     if name not in EFFECTS:
         raise ValueError(f"must be one of {', '.join(EFFECTS)}")
     return name
@@ -60,6 +63,7 @@ UNIT_SLACK = 1e-3
 
 
 def _unit(q_wxyz: Quaternion) -> Quaternion:
+    """Return a quaternion; raise ValueError unless its norm is 1 within `UNIT_SLACK`."""
     if not abs(math.hypot(*q_wxyz) - 1) <= UNIT_SLACK:
         raise ValueError("must be a unit quaternion")
     return q_wxyz
@@ -107,6 +111,7 @@ class Hello(ChildAnswer):
 
     @model_validator(mode="after")
     def _named_once(self) -> Self:
+        """Return the description; raise ValueError if two methods have the same name."""
         names = [method.name for method in self.methods]
         if len(set(names)) < len(names):
             raise ValueError("'methods' must have names of their own")
@@ -256,9 +261,11 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
 
 
 def _no_number(name: str) -> float:
+    """Raise `Misanswer` for a number that JSON lacks, by its name."""
     raise Misanswer(f"holds {name}, which is not JSON; null says that a number is not finite")
 
 
 def _quoted(line: bytes) -> str:
+    """Return the first `QUOTED` characters of a line in quotes; control characters are escaped."""
     text = line.decode(errors="replace").strip()
     return repr(text if len(text) <= QUOTED else text[:QUOTED] + "…")

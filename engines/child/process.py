@@ -182,7 +182,8 @@ class ChildProcess:
     def _line(self, do: str) -> bytes:
         """Return the next line of the answers' pipe, for the call named `do`.
 
-        What the child prints meanwhile is read and kept, so that its output never blocks.
+        What the child prints meanwhile is read and kept, so that its output never blocks. It raises
+        `ProtocolError` if no line comes in time, or the child has died.
         """
         self._request = do
         if overdue := wait_for_answer(self._has_answered, self._of_system, self._limit):
@@ -269,7 +270,13 @@ _idle: dict[tuple[str, ...], list[ChildProcess]] = {}
 
 
 def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
-    """Return an idle process of a command that still runs, or else start a new one."""
+    """Return an idle process of a command that still runs, or else start a new one.
+
+    Parameters
+    ----------
+    command : the program and its arguments
+    limit : CPU time that an answer of a new process may take, s
+    """
     idle = _idle.get(command, [])
     while idle:
         child = idle.pop()

@@ -23,6 +23,11 @@ class ChildSession(Session):
 
     The child's body axes are the principal axes of the scene's body, their origin the com.
 
+    Parameters
+    ----------
+    child : the process, which has described itself
+    method : name of the method
+
     Raises
     ------
     EngineError
@@ -52,6 +57,7 @@ class ChildSession(Session):
         return self._frame.body(reading)
 
     def _count(self, what: str, values: Sequence[object]) -> None:
+        """Raise `EngineError` unless there is a value for each part; `what` is their name."""
         if len(values) != self._parts:
             words = f"{what!r} must have one entry a part, {self._parts}, got {len(values)}"
             raise EngineError(words, "protocol")
@@ -76,7 +82,10 @@ class ChildSession(Session):
         self._left += steps
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """Take steps; return the time that the child measures, s, as both CPU and wall time."""
+        """Take steps; return the time that the child measures, s, as both CPU and wall time.
+
+        It raises `EngineError` if that is more than the time that has passed here.
+        """
         self.snapshot()
         begun = time.perf_counter()
         seconds = self._child.ask(Seconds, "time", steps=steps).seconds

@@ -101,12 +101,14 @@ class SceneChange:
         )
 
     def _point(self, place: Vector) -> Vector:
+        """Return a point of the body, m from the old origin, in the new axes, origin and units."""
         (a, b, c), (p, q, r) = place, self.shift
         x, y, z = self._polar(rotate(conjugate(self.q_body_new), (a - p, b - q, c - r)))
         return (x * self.length, y * self.length, z * self.length)
 
     @property
     def _moment(self) -> mpf:
+        """The number of new units of a moment of inertia in one old unit."""
         return mpf(self.mass) * mpf(self.length) ** 2
 
     def _start(self, scenario: Scenario) -> Start:
@@ -135,7 +137,11 @@ class SceneChange:
         )
 
     def _number(self, number: Any, unit: Unit) -> float | tuple[float, ...]:
-        """Return a number or vector of an effect, as the scene states it, in new units and axes."""
+        """Return a number or vector of an effect, as the scene states it, in new units and axes.
+
+        `unit` has the powers of the units of mass, length and time, and the kind and axes of a
+        vector.
+        """
         units = (self.mass, unit.mass), (self.length, unit.length), (self.time, unit.time)
         scale = mp.fprod(mpf(one) ** power for one, power in units)
         if unit.kind == "scalar":
@@ -189,26 +195,32 @@ class SceneChange:
 
     @property
     def _R_body_new(self) -> FloatArray:
+        """The matrix that takes components along the new body axes to the old ones, (3, 3)."""
         return matrix(np.array([float(c) for c in self.q_body_new]))
 
     @property
     def _sign(self) -> FloatArray:
+        """Factors of the components of a polar vector: −1 for x if the scene is mirrored, (3,)."""
         return _POLAR if self.is_mirrored else np.ones(3)
 
     def _polar(self, vector: Vector) -> Vector:
+        """Return a polar vector as mirrored, if the scene is."""
         x, y, z = vector
         return (-x, y, z) if self.is_mirrored else (x, y, z)
 
     def _axial(self, vector: Vector) -> Vector:
+        """Return an axial vector, such as ω, as mirrored, if the scene is."""
         x, y, z = vector
         return (x, -y, -z) if self.is_mirrored else vector
 
     def _attitude(self, q: Quaternion) -> Quaternion:
+        """Return the quaternion of an attitude, w x y z, as mirrored, if the scene is."""
         w, x, y, z = q
         return (w, x, -y, -z) if self.is_mirrored else q
 
 
 @lru_cache(maxsize=KEPT)
 def _changed(change: SceneChange, body: Body) -> Body:
+    """Return a body of the scene as a change makes it; recent results are kept."""
     with mp.workdps(DIGITS):
         return change._body(body)

@@ -30,6 +30,11 @@ class EncodedEngine(Engine):
 
     An example of its name is "mujoco as welded". It has the engine's methods except those as
     shipped.
+
+    Parameters
+    ----------
+    base : the engine that is given the scenes
+    encoding : name of the encoding, a key of `ENCODINGS`
     """
 
     def __init__(self, base: Engine, encoding: str) -> None:
@@ -88,7 +93,7 @@ class EncodedEngine(Engine):
         body: BodyReading,
         state: State,  # noqa: ARG002
     ) -> list[Difference]:
-        """Return the differences of the body from the scene's.
+        """Return the differences of the body from the scene's of more than `SAME_BODY` ulp.
 
         The start is not compared: if it is wrong, the motion shows it.
         """
@@ -108,7 +113,14 @@ class EncodedEngine(Engine):
 
 @final
 class EncodedSession(Session):
-    """A session of the changed scene, read in the axes and units of the original scene."""
+    """A session of the changed scene, read in the axes and units of the original scene.
+
+    Parameters
+    ----------
+    session : the engine's session of the changed scene
+    scenario : the original scene
+    change : what was changed
+    """
 
     def __init__(self, session: Session, scenario: Scenario, change: SceneChange) -> None:
         self._session, self._scenario, self._change = session, scenario, change
@@ -132,7 +144,7 @@ class EncodedSession(Session):
         return False
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state of the original scene, with a timestep in its unit of time."""
+        """Set the body to a state of the original scene; the timestep is in that scene's unit."""
         timestep = None if timestep is None else timestep * self._change.time
         self._session.restart(self._change.state(state), timestep)
 
@@ -157,7 +169,7 @@ class EncodedSession(Session):
         snapshots: Sequence[Any],
         states: State,  # noqa: ARG002
     ) -> Fault | None:
-        """Return the first fault that the engine's own session finds."""
+        """Return the first fault that the engine's own session finds; None if it finds none."""
         return self._session.first_fault(snapshots, self._session.states(snapshots))
 
     def check(self) -> None:

@@ -23,11 +23,13 @@ FAR_TURN = normalised((1, 3, 1, 5))
 
 
 def _none(scenario: Scenario) -> SceneChange:  # noqa: ARG001
+    """Return the change that leaves axes, origin and units as they are."""
     return SceneChange()
 
 
 @lru_cache(maxsize=KEPT)
 def _scene(change: Callable[[Scenario], SceneChange], scenario: Scenario) -> Scenario:
+    """Return a scene after a change, which `change` returns for it; recent results are kept."""
     return change(scenario).scene(scenario)
 
 
@@ -72,6 +74,7 @@ class Encoding:
 
 
 def _away(scenario: Scenario) -> SceneChange:
+    """Return the change to an origin far from the body's, in proportion to the body's size."""
     return SceneChange(shift=away_from(scenario.body))
 
 

@@ -63,7 +63,10 @@ def roll_pitch_yaw_of(q: Quaternion) -> FloatArray:
 
 
 def _within_triangle(moments: Iterable[mpf], thickness: float) -> list[float]:
-    """Return moments as doubles, the largest reduced to obey the triangle inequality."""
+    """Return moments as doubles, the largest reduced to obey the triangle inequality.
+
+    `thickness` is the relative margin, as in `principal_frame`.
+    """
     rounded = [float(moment) for moment in moments]
     largest = rounded.index(max(rounded))
     others = rounded[:largest] + rounded[largest + 1 :]
@@ -84,6 +87,7 @@ def _roll_pitch_yaw(R: Tensor) -> Vector:
 
 
 def _quaternion(rpy: Vector) -> Quaternion:
+    """Return the quaternion, w x y z, of roll, pitch and yaw, rad, as in `_roll_pitch_yaw`."""
     (cr, cp, cy), (sr, sp, sy) = ([f(angle / 2) for angle in rpy] for f in (mp.cos, mp.sin))
     zero = mpf(0)
     return product(product((cy, zero, zero, sy), (cp, zero, sp, zero)), (cr, sr, zero, zero))

@@ -97,6 +97,7 @@ def urdf(
 
 
 def _from(origin: Vector, place: Iterable[mpf]) -> Vector:
+    """Return the vector from an origin to a place, both m from the same point."""
     with mp.workdps(DIGITS):
         x, y, z = (of - at for of, at in zip(place, origin, strict=True))
     return (x, y, z)
@@ -129,7 +130,14 @@ def _add_rotor(
     thickness: float,
     has_box: bool,
 ) -> None:
-    """Add a link whose frame is at the rotor's centre of mass, and its hinge."""
+    """Add a link whose frame is at the rotor's centre of mass, and its hinge.
+
+    Parameters
+    ----------
+    number : number of the rotor, from 1
+    place : the rotor's com in the frame of the body's link, m
+    thickness, has_box : as in `urdf`
+    """
     name, body = f"rotor{number}", replace(rotor.body, com_exact=ZERO)
     _add_link(robot, name, body, thickness)
     kind = "fixed" if rotor.hinge == "locked" else "continuous"
@@ -168,7 +176,10 @@ def _add_link(
 
 
 def _add_box(robot: ET.Element, body: Body, thickness: float) -> None:
-    """Add to the last link a collision shape, the uniform box with a body's tensor."""
+    """Add to the last link a collision shape, the uniform box with a body's tensor.
+
+    `thickness` is that of `urdf`.
+    """
     frame = principal_frame(body, thickness)
     sides = box_sides(body.mass, frame.moments)
     _add_shape(robot, body.com, frame.rpy_body_axes, "box", size=sides)
@@ -181,7 +192,10 @@ def _add_shape(
     shape: str,
     **sizes: Iterable[float],
 ) -> None:
-    """Add a collision shape to the last link; `center` is in m, `rpy` in rad."""
+    """Add a collision shape to the last link; `center` is in m, `rpy` in rad.
+
+    `shape` is its tag in URDF, and `sizes` are the attributes of that, m.
+    """
     collision = ET.SubElement(robot.findall("link")[-1], "collision")
     ET.SubElement(collision, "origin", xyz=decimals(center), rpy=decimals(rpy))
     numbers = {name: decimals(values) for name, values in sizes.items()}
@@ -197,7 +211,11 @@ def _add_joint(
     axis: Iterable[float] = ANY_AXIS,
     rpy: Iterable[float] = NOWHERE,
 ) -> None:
-    """Add a joint between two links, parent and child; `place` is in m, `rpy` in rad."""
+    """Add a joint between two links, parent and child; `place` is in m, `rpy` in rad.
+
+    `kind` is URDF's type of joint; `place` and `rpy` are those of the child's frame in the
+    parent's, and `axis` is along the child's.
+    """
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
     ET.SubElement(joint, "parent", link=links[0])
     ET.SubElement(joint, "child", link=links[1])

@@ -44,7 +44,10 @@ class BodyDifference:
 
 
 def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
-    """Return the difference between an engine's body and the one that a file states."""
+    """Return the difference between an engine's body and the one that a file states.
+
+    A quantity that the file states as zero differs by 0 or infinity.
+    """
     inertia = stated.inertia_com
     gyration = np.sqrt(abs(np.trace(inertia)) / (2 * abs(stated.mass))) if stated.mass else 0.0
     arm = max(float(gyration), float(np.linalg.norm(stated.com)))
@@ -59,6 +62,7 @@ def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
 
 
 def _relative(value: float, size: float) -> float:
+    """Return a value relative to a size; if that is zero, 0 for a value of zero, else inf."""
     if size:
         return value / size
     return 0.0 if value == 0 else float("inf")
@@ -160,7 +164,10 @@ def _of_tensor(
     problems: tuple[FileProblem, ...],
     made_up: str,
 ) -> tuple[str, str]:
-    """Return why an engine's tensor is not the file's, in a word and a sentence."""
+    """Return why an engine's tensor is not the file's, in a word and a sentence; see `cause`.
+
+    `got` is the engine's tensor about the com, kg m², (3, 3).
+    """
     tensor = stated.inertia_com
     size = _size(tensor, got, apart)
     if not got.any():
@@ -205,6 +212,7 @@ def _size(stated: FloatArray, got: FloatArray, apart: BodyDifference) -> str:
 
 
 def _close(one: FloatArray, other: FloatArray) -> bool:
+    """Whether two tensors differ by no more than `AGREES`, relative to the norm of the other."""
     return bool(np.linalg.norm(one - other) <= AGREES * np.linalg.norm(other))
 
 

@@ -112,7 +112,10 @@ class FileEngine(Engine):
         return self.reader.version
 
     def applies_to(self, scenario: Scenario) -> bool:
-        """Whether a scene names a link of a file in its formats; a missing file is a failed run."""
+        """Whether a scene names a link of a file in a format that the engine reads.
+
+        It is true of a file that cannot be read, too, so that the run is made and fails.
+        """
         if scenario.document.body.model is None:
             return False
         try:

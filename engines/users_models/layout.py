@@ -39,7 +39,10 @@ def laid_out(
 
 
 def _named(model: ModelFile) -> dict[str, bytes]:
-    """Return the contents of the files that the model's checked text names, by their new names."""
+    """Return the contents of the files that the model's checked text names, by their new names.
+
+    Meshes that are not in the model's folders are left out.
+    """
     contents = {
         name: file.encode() if isinstance(file, str) else mesh_bytes(model, str(file))
         for name, file in model.files.items()

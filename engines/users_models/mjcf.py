@@ -108,7 +108,7 @@ class _Reader:
                 self.notes.append(f"{child.where}: bodies that <{child.tag}> makes are not read")
 
     def _body(self, element: Element, parent: str, frame: Pose) -> None:
-        """Read one body and the bodies inside it."""
+        """Read one body and the bodies inside it; parameters as in `read`."""
         if len(self.links) == MAX_BODIES:
             element.refuse(f"more than {MAX_BODIES} bodies")
         name = element.attributes.get("name", "")
@@ -134,7 +134,10 @@ class _Reader:
         self.read(element, name, Pose())
 
     def _replicate(self, element: Element, parent: str, frame: Pose) -> None:
-        """Read the bodies inside a `replicate`, as often as its count, with their new names."""
+        """Read the bodies inside a `replicate`, as often as its count, with their new names.
+
+        Parameters are those of `read`.
+        """
         (count,) = element.numbers("count", 1)
         before, separator = len(self.links), element.attributes.get("sep", "")
         self.read(element, parent, frame)
@@ -154,6 +157,7 @@ class _Reader:
 
 
 def _has_shapes(element: Element) -> bool:
+    """Whether an element has a `geom` as a child, or inside its frames and replicates."""
     return any(
         child.tag == "geom" or (child.tag in ("frame", "replicate") and _has_shapes(child))
         for child in element.children
@@ -161,7 +165,10 @@ def _has_shapes(element: Element) -> bool:
 
 
 def _stated(inertial: Element, compiler: Compiler) -> Stated:
-    """Return mass, com and tensor that an `inertial` states, in the body's frame."""
+    """Return mass, com and tensor that an `inertial` states, in the body's frame.
+
+    It raises `ModelFileError` if a number is missing or is none.
+    """
     pose = _pose(inertial, compiler)
     if "fullinertia" in inertial.attributes:
         xx, yy, zz, xy, xz, yz = inertial.numbers("fullinertia", 6)
@@ -174,6 +181,7 @@ def _stated(inertial: Element, compiler: Compiler) -> Stated:
 
 
 def _pose(element: Element, compiler: Compiler) -> Pose:
+    """Return the pose that an element states in its parent's frame; by default the identity."""
     return Pose(np.array(element.numbers("pos", 3, ZEROS)), _rotation(element, compiler))
 
 
@@ -181,7 +189,7 @@ def _rotation(element: Element, compiler: Compiler) -> FloatArray:
     """Return the rotation matrix that an element states in one of five ways, (3, 3).
 
     They are listed in MuJoCo's XML reference, *Frame orientations*. It is the identity if the
-    element states no rotation.
+    element states no rotation. `ModelFileError` is raised if it states two, or a vector of zero.
     """
     ways = [key for key in WAYS if key in element.attributes]
     if len(ways) > 1:
@@ -196,10 +204,12 @@ def _rotation(element: Element, compiler: Compiler) -> FloatArray:
 
 
 def _by_quat(values: FloatArray, _: Compiler) -> Rotation:
+    """Return the rotation of a quaternion, w x y z."""
     return Rotation.from_quat(values, scalar_first=True)
 
 
 def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
+    """Return the rotation about an axis, three numbers, by an angle, the fourth."""
     axis = values[:3] / np.linalg.norm(values[:3])
     return Rotation.from_rotvec(axis * values[3], degrees=compiler.degrees)
 
@@ -214,6 +224,7 @@ def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
 
 
 def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
+    """Return the rotation with x along the first vector, and the second in the xy plane."""
     x = values[:3] / np.linalg.norm(values[:3])
     y = values[3:] - (values[3:] @ x) * x
     y /= np.linalg.norm(y)

@@ -59,7 +59,11 @@ class CheckedFiles:
         return _made(root, attached)
 
     def _include(self, root: Element) -> None:
-        """Replace each `include` inside an element by the contents of the file that it names."""
+        """Replace each `include` inside an element by the contents of the file that it names.
+
+        It raises `ModelFileError` if a file cannot be included, or the elements are too many or too
+        deep.
+        """
         included: set[Path] = set()
         left, count = [(root, 1)], 0
         while left:
@@ -77,7 +81,17 @@ class CheckedFiles:
             left += [(child, depth + 1) for child in element.children]
 
     def _contents(self, element: Element, included: set[Path]) -> list[Element]:
-        """Return the elements of the file that an `include` names; else the element."""
+        """Return the elements of the file that an `include` names; else the element alone.
+
+        Parameters
+        ----------
+        included : the files included so far, to which this one is added
+
+        Raises
+        ------
+        ModelFileError
+            If the file is not found, was included before, or is one too many.
+        """
         if element.tag != "include":
             return [element]
         name = element.attributes.get("file", "")
@@ -182,7 +196,7 @@ def _made(root: Element, attached: dict[str, int]) -> int:
 
 
 def _check_sizes(root: Element) -> None:
-    """Check that no array whose size `<size>` states, of keyframes or user data, is too large."""
+    """Raise `ModelFileError` if `<size>` states too large a number of keyframes or user data."""
     for size in root.all("size"):
         for key, text in size.attributes.items():
             # The other sizes are of motions, which are not computed here.

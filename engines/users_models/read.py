@@ -68,7 +68,10 @@ def _scaled(robot: Element) -> list[str]:
 
 
 def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> list[str]:
-    """Return a note if collision meshes are not inside the model's folders."""
+    """Return a note if collision meshes are not inside the model's folders, else an empty list.
+
+    `path` is that of the model's file, for the note.
+    """
     named = {s.mesh for link in links for s in link.shapes if s.collides and s.mesh is not None}
     missing = sorted(name for name in named if folders.find(name) is None)
     if not missing:

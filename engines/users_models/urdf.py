@@ -42,7 +42,14 @@ def urdf_links(robot: Element) -> tuple[Link, ...]:
 
 
 def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, Element]]:
-    """Return the parent's name and the joint of each link that hangs on a joint, by its name."""
+    """Return the parent's name and the joint of each link that hangs on a joint, by its name.
+
+    It raises `ModelFileError` if a joint names no link of the file, or a link hangs on two joints.
+
+    Parameters
+    ----------
+    links : the elements of the links, by name
+    """
     joints: dict[str, tuple[str, Element]] = {}
     for joint in robot.all("joint"):
         ends = {}
@@ -84,7 +91,7 @@ def _check_tree(
 
 
 def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Link:
-    """Return a link; `joint` has its parent's name and the joint that it hangs on."""
+    """Return a link; `joint` has its parent's name and its joint, and is None for a root."""
     parent, holder = joint or ("", None)
     inertial = element.only("inertial")
     return Link(
@@ -101,7 +108,10 @@ def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Lin
 
 
 def _stated(inertial: Element) -> Stated:
-    """Return mass, com and tensor that an `<inertial>` states, in the link's frame."""
+    """Return mass, com and tensor that an `<inertial>` states, in the link's frame.
+
+    It raises `ModelFileError` if one of them or a number is missing, or the tensor is too large.
+    """
     mass, tensor = inertial.only("mass"), inertial.only("inertia")
     if mass is None or tensor is None:
         lacked = "mass" if mass is None else "inertia"

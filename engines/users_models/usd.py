@@ -110,7 +110,13 @@ def _joints(stage: Any, physics: Any, metre: float) -> dict[str, tuple[str, Pose
     """Return the joints of a stage, by the path of the child body of each.
 
     A joint is given as the path of its parent body, the pose of the child in the parent's frame
-    with all joint coordinates zero, and whether the joint lets the child move.
+    with all joint coordinates zero, and whether the joint lets the child move. Joints to the world
+    are left out; of several joints of one child the first is returned.
+
+    Parameters
+    ----------
+    physics : the module `pxr.UsdPhysics`
+    metre : the file's unit of length, m
     """
     joints: dict[str, tuple[str, Pose, bool]] = {}
     for prim in stage.Traverse():
@@ -129,6 +135,10 @@ def _joints(stage: Any, physics: Any, metre: float) -> dict[str, tuple[str, Pose
 
 
 def _frame(place: Any, turn: Any, metre: float) -> Pose:
+    """Return the pose of a joint's frame in a body, given attributes of its place and rotation.
+
+    `metre` is the file's unit of length, m.
+    """
     q = turn.Get()
     R = Rotation.from_quat([q.GetReal(), *q.GetImaginary()], scalar_first=True).as_matrix()
     return Pose(np.array(place.Get(), dtype=float) * metre, R)

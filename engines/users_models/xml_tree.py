@@ -162,11 +162,13 @@ class Element:
         return "".join(parts)
 
     def __str__(self) -> str:
+        """Return the tag, with the name if there is one, as messages show it."""
         name = self.attributes.get("name")
         return f"<{self.tag}>" if name is None else f"<{self.tag} name={shown(name)}>"
 
 
 def _why(part: str) -> str:
+    """Return words that say why engines do not read a text as one number, to be put after it."""
     if "$" in part:
         return ": it is xacro, expand the file first"
     if "," in part:
@@ -195,7 +197,17 @@ def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
 
 
 def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
-    """Return the outermost element of an XML file, given its bytes, and notes as in `read_xml`."""
+    """Return the outermost element of an XML file, given its bytes, and notes as in `read_xml`.
+
+    Parameters
+    ----------
+    file : name of the file, for messages and elements
+
+    Raises
+    ------
+    ModelFileError
+        If the file nests elements too deep, has a DTD, is not XML in UTF-8, or is xacro.
+    """
     if b"\0" in data:
         raise ModelFileError(f"{file}: must be a text in UTF-8, no engine reads UTF-16 or zeros")
     notes: list[str] = []
@@ -234,6 +246,7 @@ def read_bytes(path: Path, limit: int = LARGEST_MODEL) -> bytes:
 
 
 def _not_xml(error: expat.ExpatError, file: str) -> ModelFileError:
+    """Return the error for a file that expat cannot read, with line and reason."""
     message = expat.errors.messages[error.code]
     return ModelFileError(f"{file}:{error.lineno}: not well-formed XML: {message}")
 
@@ -246,7 +259,15 @@ def tag_end(data: bytes, start: int) -> int:
 
 
 class _Builder:
-    """Builds a file's tree of elements from expat's events; `root` is the outermost element."""
+    """Builds a file's tree of elements from expat's events; `root` is the outermost element.
+
+    Raises
+    ------
+    ModelFileError
+        If the file is refused: too deep, too large, or with a DTD.
+    expat.ExpatError
+        If it is not well-formed.
+    """
 
     def __init__(self, file: str, data: bytes) -> None:
         self._file, self._data = file, data
@@ -261,6 +282,7 @@ class _Builder:
         self.root = self._open[0].children[0]
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        """Begin an element; raise `ModelFileError` if the file is too deep or too large."""
         line, start = self._parser.CurrentLineNumber, self._parser.CurrentByteIndex
         element = Element(tag, attributes, self._file, line, (start, start))
         if len(self._open) > MAX_DEPTH:
@@ -279,6 +301,7 @@ class _Builder:
         self._open.append(element)
 
     def _end(self, tag: str) -> None:  # noqa: ARG002
+        """End the element that was begun last, whose span is now known."""
         element = self._open.pop()
         start, own_tag = element.span[0], tag_end(self._data, element.span[0])
         # For an element without an end tag expat reports the position behind it.
@@ -287,6 +310,7 @@ class _Builder:
         element.span = (start, end)
 
     def _doctype(self, *_: object) -> None:
+        """Raise `ModelFileError`: a DTD is refused."""
         raise ModelFileError(
             f"{self._file}:{self._parser.CurrentLineNumber}: a DTD (<!DOCTYPE …>) is refused: it "
             "can make a small file huge or read other files; remove it"
@@ -294,7 +318,10 @@ class _Builder:
 
 
 def _unbound_prefixes(root: Element) -> list[str]:
-    """Return a note for each prefix of a tag that no attribute `xmlns:` declares."""
+    """Return a note for each prefix of a tag that no attribute `xmlns:` declares.
+
+    It raises `ModelFileError` if a prefix is that of xacro.
+    """
     notes: dict[str, str] = {}
     left: list[tuple[Element, frozenset[str]]] = [(root, frozenset({"xml"}))]
     while left:

@@ -29,6 +29,13 @@ class VersionedEngine(Engine):
     It opens scenes in a process that imports modules from the folder `site` first and has imported
     no other version before. All members of `Engine` that this class does not define are forwarded
     to the adapter.
+
+    Parameters
+    ----------
+    base : the engine's name
+    version : the version, such as "3.1.6"
+    methods : the methods, with their orders in that version
+    site : the folder that the version is installed in
     """
 
     def __init__(self, base: str, version: str, methods: tuple[Method, ...], site: Path) -> None:

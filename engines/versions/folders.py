@@ -153,17 +153,22 @@ def check_version(version: str) -> None:
 
 
 def _pip(python: str) -> list[str]:
+    """Return the command by which an interpreter installs distributions, which are to follow."""
     quietly = ["--quiet", "--no-input", "--only-binary", ":all:", "--disable-pip-version-check"]
     return [python, ISOLATED, "-m", "pip", "install", *quietly]
 
 
 def _drop(packages: Path, surplus: Sequence[str]) -> None:
+    """Remove packages, by their names, from the folder `packages`, if they are there."""
     for name in surplus:
         shutil.rmtree(packages / name, ignore_errors=True)
 
 
 def _made(folder: Path, fill: Callable[[Path], None], say: Say) -> Path:
-    """Return a folder after making it if need be: `fill` fills a new one, which is moved there."""
+    """Return a folder after making it if need be: `fill` fills a new one, which is moved there.
+
+    `say` is called with a sentence before that.
+    """
     if folder.is_dir():
         return folder
     say(f"Installing {folder.name}, once, into {folder.parent}")
@@ -182,6 +187,7 @@ def _made(folder: Path, fill: Callable[[Path], None], say: Say) -> Path:
 
 
 def _not_there(name: str, wanted: Sequence[str]) -> str:
+    """Return the beginning of the message that an engine could not be installed."""
     return f"{name} is not installed, and pip cannot install {' '.join(wanted)}"
 
 
@@ -191,6 +197,11 @@ def _call(failing: str, command: Sequence[str]) -> str:
     Parameters
     ----------
     failing : beginning of the message if the command fails: what did not succeed
+
+    Raises
+    ------
+    VersionError
+        If the command cannot be started, fails, or does not finish in time.
     """
     try:
         done = run(command, _PATIENCE)
@@ -207,4 +218,5 @@ def _call(failing: str, command: Sequence[str]) -> str:
 
 
 def _folders() -> Path:
+    """Return the folder that contains the folders of all versions."""
     return user_cache() / "engines"

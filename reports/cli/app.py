@@ -63,6 +63,7 @@ app.add_typer(model_commands)
 
 
 def _print_version(wanted: bool) -> None:
+    """Print the version and exit if the option was given."""
     if wanted:
         print(f"spincheck {version('spincheck')}")
         raise typer.Exit
@@ -101,7 +102,10 @@ def main() -> None:
 
 
 def _run_and_flush() -> None:
-    """Run the command line; errors of the operating system become a `Complaint`."""
+    """Run the command line; errors that `refusal` knows become a `Complaint`.
+
+    These are errors of the system and clashes of engines' names.
+    """
     try:
         try:
             app()

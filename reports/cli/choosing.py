@@ -21,6 +21,8 @@ from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 def executor_for(jobs: int, choice: Choice) -> Iterator[Executor]:
     """Yield an executor whose worker processes run the choice; they end with the block.
 
+    It raises a `Complaint` if there is no temporary folder.
+
     Parameters
     ----------
     jobs : number of worker processes
@@ -75,13 +77,22 @@ def choose(
 ) -> Choice:
     """Return the engines, methods and timesteps that a user named; optional engines only if named.
 
+    Methods are named in any case. If no engine is named, those that apply to any of the scenes are
+    chosen; if no method or timestep is named, the choice has none.
+
     Parameters
     ----------
     scenarios : scenes to be run; engines that load users' model files are left out if no scene
         names such a file
     python : the command of the interpreter that other versions of engines run under; the
         interpreter of this process if empty
-    time_limit : CPU time that a run may take, s
+    time_limit : CPU time that a run may take, s; the default if None
+
+    Raises
+    ------
+    Complaint
+        If a name is that of no engine or method, an engine cannot be used or none is installed, or
+        a number is out of range.
     """
     if time_limit is not None and not 0 < time_limit <= MOST_TIME:
         raise Complaint(
@@ -172,7 +183,14 @@ def _engines(
 
 
 def _at_version(name: str, python: str) -> Engine:
-    """Return the engine of a name such as mujoco@3.1.6, and add it to the list of engines."""
+    """Return the engine of a name such as mujoco@3.1.6, and add it to the list of engines.
+
+    It raises a `Complaint` if that version cannot be installed.
+
+    Parameters
+    ----------
+    python : the command of the interpreter that it runs under; that of this process if empty
+    """
     from ...engines.versions import VersionError, versioned
 
     try:
@@ -186,7 +204,12 @@ def _at_version(name: str, python: str) -> Engine:
 def _child(command: str, time_limit: float | None) -> Engine:
     """Return the engine that a command starts, and add it to the list of engines.
 
-    It is listed under the name that it reports itself.
+    It is listed under the name that it reports itself. An engine of the same command that is listed
+    already is returned as it is. A `Complaint` is raised if the command starts no engine.
+
+    Parameters
+    ----------
+    time_limit : CPU time that an answer may take, s, at most `ANSWER_LIMIT`, which None stands for
     """
     from ...engines import EngineError
     from ...engines.child import ANSWER_LIMIT, ChildEngine, child_engine
@@ -209,7 +232,8 @@ def _of_module(name: str) -> Engine:
     """Return the engine that MODULE:NAME names, and add it to the list of engines.
 
     NAME is a class or an object. The module may be in the current folder, where it hides no other
-    module.
+    module. A `Complaint` is raised if there is no such name, it is no engine, or the engine is for
+    another version of the interface.
     """
     if (here := str(Path.cwd())) not in sys.path:
         sys.path.append(here)

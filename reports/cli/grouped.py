@@ -56,6 +56,7 @@ class GroupedCommands(TyperGroup):
         return super().resolve_command(ctx, [args[0].lower(), *args[1:]])
 
     def _summary(self, ctx: Any, name: str) -> str:
+        """Return the short help of a command, by its name."""
         command = self.get_command(ctx, name)
         assert command is not None, "every command listed exists"
         text: str = command.get_short_help_str(limit=66)
@@ -142,7 +143,7 @@ def _bound(signal: "Signal") -> Any:
 
 
 def number(text: str) -> float:
-    """Parse the number that an option is given."""
+    """Parse the number that an option is given; raise `typer.BadParameter` if it is none."""
     try:
         return float(text)
     except ValueError:
@@ -150,7 +151,10 @@ def number(text: str) -> float:
 
 
 def angle(text: str) -> float:
-    """Parse an angle, a number with its unit behind it, rad if it has none; return it in rad."""
+    """Parse an angle, a number with its unit behind it, rad if it has none; return it in rad.
+
+    It raises `typer.BadParameter` if the text is no angle.
+    """
     unit = next((unit for unit in ANGLES if text.endswith(unit)), "rad")
     try:
         return float(text.removesuffix(unit)) * ANGLES[unit]
@@ -161,5 +165,6 @@ def angle(text: str) -> float:
 def _keep(
     context: typer.Context, parameter: typer.CallbackParam, bound: float | None
 ) -> float | None:
+    """Store a bound that was given, where `error_bounds` finds it; return the bound."""
     context.meta[f"{__name__}.{parameter.name}"] = bound
     return bound

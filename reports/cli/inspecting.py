@@ -59,9 +59,16 @@ def models(
 def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
     """Inspect models one after the other; each engine reads them in a worker process of its own.
 
+    It yields the inspection of each model.
+
     Parameters
     ----------
     engines : names of the engines that read the models; all that can if empty
+
+    Raises
+    ------
+    Complaint
+        If an engine is not known or reads no models, or none is installed that does.
     """
     with as_complaint(CannotInspectError):
         readers = reader_engines(engines, say)
@@ -110,13 +117,18 @@ def write_mended(
 
     Parameters
     ----------
-    out : path of the copy
+    out : path of the copy, at which there must be no file
     wishes : which optional changes are made
     engines : names of the engines that read the copy
 
     Returns
     -------
     What was changed and what was left, and the inspection of the copy.
+
+    Raises
+    ------
+    Complaint
+        If the copy cannot be written or read.
     """
     one = mended(inspection, wishes)
     with written(out):
@@ -148,7 +160,10 @@ def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
 
 
 def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | str:
-    """Return the number of links that an engine holds wrongly, or "refused"."""
+    """Return the number of links that an engine holds wrongly, or "refused".
+
+    `column` has the names of the engine and of the configuration with which it read the file.
+    """
     if column in inspection.refusals:
         return "refused"
     return sum(reading.column == column for reading, _ in wrong_readings(inspection))
@@ -245,6 +260,7 @@ def _link_record(link: InspectedLink) -> dict[str, Any]:
 
 
 def _body_record(body: BodyReading | None) -> dict[str, Any]:
+    """Return mass, com and tensor of a body as a JSON object; all None for None."""
     if body is None:
         return {"mass": None, "com": None, "inertia": None}
     return {"mass": body.mass, "com": body.com.tolist(), "inertia": body.inertia_com.tolist()}
@@ -261,6 +277,12 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     Returns
     -------
     A line for each scene written, and one for each reason why links were left out.
+
+    Raises
+    ------
+    Complaint
+        If the file cannot be read, has no such link or no link that makes a scene, or if a scene's
+        file is there already or cannot be written.
     """
     with as_complaint(ModelFileError):
         model = read_model(file)

@@ -83,6 +83,7 @@ def _native_files(engine: Engine) -> Iterator[str]:
 
 
 def _stamp(file: Path) -> str:
+    """Return name, size, bytes, and time of change, ns, of a file as text."""
     found = file.stat()
     return f"{file.name} {found.st_size} {found.st_mtime_ns}"
 

@@ -107,7 +107,10 @@ def import_links(
 
 
 def _packages(options: list[str]) -> tuple[tuple[str, Path], ...]:
-    """Return the names and folders that values of '--package-path' state."""
+    """Return the names and folders that values of '--package-path' state.
+
+    It raises a `Complaint` for a value that is not NAME=DIR with a folder that exists.
+    """
     folders = []
     for one in options:
         name, equals, folder = one.partition("=")

@@ -21,7 +21,11 @@ RPM = 30 / math.pi
 
 
 def one_scene(name: str) -> Scenario:
-    """Return the only scene that a name stands for; raise a `Complaint` if a folder has several."""
+    """Return the only scene that a name stands for.
+
+    It raises a `Complaint` if there is none, if a folder has several, or if a file is no valid
+    scene.
+    """
     scenes = scenes_to_run([name], expectations=False)
     if len(scenes) != 1:
         raise Complaint(f"{printable(name)}: takes one scene, this is {len(scenes)}")
@@ -35,6 +39,12 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
     ----------
     names : files, folders or names of library scenes
     expectations : whether to check that expectations name engines and methods that exist
+
+    Raises
+    ------
+    Complaint
+        If a name is of no scene, a file is no valid scene, or an expectation names what is not
+        there.
     """
     scenarios, wrong = load_each(_files(names))
     complain(wrong)
@@ -46,7 +56,10 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
 
 
 def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
-    """Return a row of a table for each scene named, and a message for each unreadable file."""
+    """Return a row of a table for each scene named, and a message for each unreadable file.
+
+    Without names they are those of the library. A `Complaint` is raised for a name of no scene.
+    """
     rows: list[dict[str, object]] = []
     scenarios, wrong = load_each(_files(names))
     for scenario in scenarios:
@@ -147,11 +160,16 @@ def complain(wrong: Sequence[str]) -> None:
 
 
 def _files(names: Sequence[str]) -> list[Path]:
+    """Return the files of the scenes named; raise a `Complaint` for a name of no scene."""
     with as_complaint(ScenarioError):
         return _found(names)
 
 
 def _found(names: Sequence[str]) -> list[Path]:
+    """Return the files of the scenes named, and print which of them hide scenes of the library.
+
+    It raises `ScenarioError` for a name of no scene.
+    """
     paths = find(names)
     for sentence in hiding_the_library(names):
         say(sentence)

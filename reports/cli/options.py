@@ -23,7 +23,7 @@ def _seconds(text: str) -> float:
 
 
 def _there_if_named(file: Path) -> Path:
-    """Return the result file, which must exist unless it is the default one."""
+    """Return the result file; raise `typer.BadParameter` if one that is named is missing."""
     if file != RESULT_FILE and not file.exists():
         raise typer.BadParameter(f"there is no file '{file}'")
     return file

@@ -48,7 +48,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Check the settings, before anything is collected."""
+    """Check the settings, and register the hooks of the suite if it is to test an engine.
+
+    It raises `pytest.UsageError` for a setting or an option that cannot be used.
+    """
     _max_steps(config)
     if names := config.getoption(ENGINE):
         from .suite.hooks import SuiteHooks
@@ -57,7 +60,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Collect TOML files whose first key is `spincheck`; ignore all other files."""
+    """Return a collector for a TOML file whose first key is `spincheck`, None for others."""
     if file_path.suffix != ".toml" or not _may_be_scenario(file_path):
         return None
     from ...scenarios import is_scenario
@@ -75,7 +78,10 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> None:
-    """Compile the solver of exact motions before the first scene, with a message that is shown."""
+    """Compile the solver of exact motions before the first test, with a message that is shown.
+
+    Nothing is done if there are no scenes among the tests, or no test will be run.
+    """
     reporter: Any = session.config.pluginmanager.get_plugin("terminalreporter")
     has_scenes = any(KEPT in dict(item.user_properties) for item in session.items)
     option = session.config.option
@@ -94,7 +100,10 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
 
 
 def _max_steps(config: pytest.Config) -> int | None:
-    """Return the largest number of steps of a run, from pytest's settings; None if left out."""
+    """Return the largest number of steps of a run, from pytest's settings; None if left out.
+
+    It raises `pytest.UsageError` unless that is a whole number from 1 on.
+    """
     setting = config.getini(_MAX_STEPS)
     if not setting:
         return None

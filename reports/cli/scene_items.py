@@ -39,7 +39,13 @@ class SceneFile(pytest.File):
     def collect(self) -> Iterator[pytest.Item]:
         """Yield an item for the reference, and one for each engine and method.
 
-        A method as shipped has an item only if an `[[expect]]` names it.
+        A method as shipped has an item only if an `[[expect]]` names it. Engines that are missing
+        have items that are skipped.
+
+        Raises
+        ------
+        CollectError
+            If the scene or a setting cannot be used.
         """
         self._check_engines()
         try:

@@ -36,4 +36,5 @@ def summary(stats: Mapping[str, Sequence[Any]]) -> str:
 
 
 def _properties(report: Any) -> dict[str, Any]:
+    """Return the properties of one of pytest's reports, by name; none if it has none."""
     return dict(getattr(report, "user_properties", ()))

@@ -51,7 +51,10 @@ class Stopped(BaseException):
 
 @contextmanager
 def saying(besides: str) -> Iterator[None]:
-    """Add a sentence to the message that is printed if the program is stopped inside the block."""
+    """Add a sentence to the message that is printed if the program is stopped inside the block.
+
+    Of nested blocks the sentence of the outermost is printed.
+    """
     _besides.append(besides)
     try:
         yield
@@ -112,7 +115,13 @@ def _imports(frame: FrameType | None) -> bool:
 
 
 def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
-    """Start a thread that ends the program if a signal is not handled in time."""
+    """Start a thread that ends the program if a signal is not handled in time.
+
+    Parameters
+    ----------
+    obeyed : the signals that stop the program
+    received : is set as soon as Python handles one of them
+    """
     try:
         wakes, woken = os.pipe()
     except OSError:
@@ -136,6 +145,7 @@ def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
 
 
 def _leave(number: int, _: FrameType | None) -> None:
+    """End the program at once, with the exit code of a signal."""
     os._exit(_BY_SIGNAL + number)
 
 

@@ -33,7 +33,10 @@ class Complaint(Exception):
 def as_complaint(
     *errors: type[Exception], before: str = "", exit_code: int = BAD_INPUT
 ) -> Iterator[None]:
-    """Raise a `Complaint` in place of some errors, with their message after the text `before`."""
+    """Raise a `Complaint` in place of some errors, with their message after the text `before`.
+
+    `exit_code` is that with which the program then ends.
+    """
     try:
         yield
     except errors as error:
@@ -78,6 +81,7 @@ def to_json(value: Any) -> str:
 
 
 def _escaped(line: str) -> str:
+    """Return a line with characters that cannot be printed as escapes of JSON."""
     if line.isprintable():
         return line
     return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in line)
@@ -185,7 +189,7 @@ def terminal_width() -> int | None:
 
 
 def cell(value: object) -> str:
-    """Return a value as tables show it: numbers in three digits, nothing for None."""
+    """Return a value as tables show it: a float in three digits, nothing for None."""
     if value is None:
         return ""
     from ...scenarios import printable
@@ -268,7 +272,10 @@ _OF_OUTPUT = (errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO, errno.EFBIG, er
 
 
 def refusal(error: Exception) -> Complaint | None:
-    """Return a `Complaint` for an error of the system or of engines' names; None for others."""
+    """Return a `Complaint` for an error of the system or of engines' names; None for others.
+
+    If the output cannot be written, what is still printed is discarded.
+    """
     from ...engines import NameTaken
     from ..harness.executors import cause_of
 

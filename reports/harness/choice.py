@@ -44,7 +44,7 @@ class Choice:
         return self.timed and not (self.hard_in_passing and scenario.hard)
 
     def pairs(self) -> list[EngineMethod]:
-        """Return every chosen engine and method."""
+        """Return every chosen engine with each of its chosen methods."""
         return [
             (engine, method)
             for engine in self.engines
@@ -56,7 +56,7 @@ class Choice:
         """Return the chosen engines and methods for one scene, by the keys of their results.
 
         Methods that the engine does not offer for the scene are included only if the user named
-        methods.
+        methods. Engines that do not apply to the scene are left out.
         """
         return {
             Key(scenario.name, engine.name, method.name): (engine, method)

@@ -41,9 +41,11 @@ class PlannedRun:
     expectations: tuple[Expect, ...] = ()
 
     def is_answered_by(self, row: Row) -> bool:
-        """Whether a stored row is enough.
+        """Whether a stored row answers the run, which then is not made again.
 
-        The run's motion is needed to judge it, to draw it, and to compare it with expectations.
+        The row of an `ok` run must have the motion at all samples, which is judged, drawn, and
+        compared with expectations; but not if the run was judged before, or is at a single timestep
+        or above the ladder and has no expectations.
         """
         if row.outcome != "ok" or self.judged:
             return True
@@ -176,7 +178,11 @@ class ConvergenceStudy:
                 self.stock_rows.append((yield PlannedRun(run.rung, run.solution, "stock")))
 
     def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
-        """Compare a run with the exact motion, and return its row."""
+        """Compare a run with the exact motion, and return its row.
+
+        The row of a run at a single or stock timestep has defects; that of a run above a ladder has
+        no motion if the ladder has rows.
+        """
         row = compared(
             self.scenario,
             self.engine,
@@ -238,6 +244,7 @@ class ConvergenceStudy:
 
     @property
     def _timesteps_so_far(self) -> set[float]:
+        """Timesteps of all rows so far, s."""
         rows = self.rows + self.single_rows + self.above_rows + self.stock_rows
         return {row.timestep for row in rows}
 

@@ -49,7 +49,7 @@ class Plan:
         return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
 
     def __str__(self) -> str:
-        """Return in words how many stored verdicts are used, and how many are outdated."""
+        """Return in words how many verdicts are stored and how many outdated; empty if none are."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
         counts = [f"{self.there} of {verdicts} verdicts are stored already"] if self.there else []
         if self.outdated:
@@ -60,8 +60,8 @@ class Plan:
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
     """Determine which results of a study are missing from the store.
 
-    Outdated results do not count. If `Choice.again` is set, the stored results asked for are
-    deleted.
+    Outdated results do not count. Stored costs of other processors are deleted, and if
+    `Choice.again` is set, the stored results asked for.
     """
     if choice.again:
         store.forget(key for scenario in scenarios for key in choice.methods_on(scenario))
@@ -100,6 +100,13 @@ def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[V
 def _has_untimed(
     scenario: Scenario, choice: Choice, settled: Mapping[Key, Verdict], timed: Collection[Key]
 ) -> bool:
+    """Whether a method whose steps can be timed has no time.
+
+    Parameters
+    ----------
+    settled : stored verdicts
+    timed : keys of the methods that have times
+    """
     return any(
         can_be_timed(scenario, pair, settled.get(key))
         for key, pair in choice.methods_on(scenario).items()

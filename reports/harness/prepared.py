@@ -56,6 +56,7 @@ class SceneReference:
             return self._solved
 
     def _solve(self, executor: Executor) -> Prepared | CallFailed:
+        """Solve the scene in a worker, at all times that the chosen runs need."""
         scenario, choice = self._scenario, self._choice
         timesteps = {*choice.timesteps, *(expected.timestep for expected in scenario.expect)}
         stock = {dt for engine in choice.engines for dt in stock_timesteps(engine)}
@@ -79,6 +80,13 @@ def prepare(
     ----------
     timesteps, stock : single timesteps and stock timesteps, s
     max_steps : largest number of steps of a run of the ladder
+
+    Raises
+    ------
+    ValueError
+        If a single timestep is longer than the window, or too short to count its steps.
+    IntegrationError
+        If the exact motion cannot be found.
     """
     exact = ExactMotion(scenario)
     outline = exact.outline(scenario.times)

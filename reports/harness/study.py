@@ -46,6 +46,7 @@ def run_study(
     Parameters
     ----------
     left : the missing results
+    progress : called with a sentence on each verdict and each timing
     """
     store.put_environment(environment(choice.engines, choice.max_steps))
     store.put_methods(choice.engines)
@@ -75,7 +76,11 @@ def study_method(
     store: Store,
     executor: Executor,
 ) -> Verdict:
-    """Run one method on one scene, and return the verdict, which is stored."""
+    """Run one method on one scene, and return the verdict, which is stored.
+
+    Stored runs that suffice are not made again. If the exact motion cannot be found, the verdict is
+    `failed`.
+    """
     key = Key(scenario.name, engine.name, method.name)
     solved = reference.get(executor, store)
     if isinstance(solved, CallFailed):
@@ -162,7 +167,7 @@ def run_rungs(
 
     Parameters
     ----------
-    stored : stored rows, by timestep, s; these runs are not made again
+    stored : stored rows, by timestep, s; a run that its row answers is not made again
 
     Yields
     ------
@@ -199,7 +204,7 @@ def convergence_study_of(
 
     Parameters
     ----------
-    timesteps : s; if there are any, only runs at these are made
+    timesteps : s; if there are any, only runs at these, and those with expectations, are made
     before : the stored evidence that the method was judged by before; None if there is none
     """
     singles = []
@@ -240,7 +245,10 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
 
 
 def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
-    """Replay the finest run and runs at other timesteps, in a worker, unless steps show a fault."""
+    """Replay the finest run and runs at other timesteps, in a worker.
+
+    Nothing is replayed if steps show a fault or could not be examined.
+    """
     at, steps, site = study.places, study.steps, study.engine.site
     ladder, others = study.made_runs
     if at is None or steps is None or steps.fault:

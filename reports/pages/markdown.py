@@ -50,19 +50,24 @@ def as_markdown(html: str, items: Sequence[Any]) -> str:
 
 @dataclass
 class _Element:
+    """An element of a page: its tag and attributes, and the texts and elements inside it."""
+
     tag: str
     attributes: dict[str, str | None]
     inside: list["_Element | str"] = field(default_factory=list)
 
     @property
     def is_drawn(self) -> bool:
+        """Whether only a browser draws the element, so that it is left out."""
         return self.tag in ALWAYS_DRAWN or DRAWN in self.attributes
 
     @property
     def elements(self) -> list["_Element"]:
+        """The elements directly inside that are not left out."""
         return [one for one in self.inside if isinstance(one, _Element) and not one.is_drawn]
 
     def all(self, *tags: str) -> Iterator["_Element"]:
+        """Yield the outermost elements inside that have one of some tags, in order."""
         for one in self.elements:
             if one.tag in tags:
                 yield one
@@ -71,21 +76,26 @@ class _Element:
 
 
 class _Parser(HTMLParser):
+    """Parses a page; `open` are the elements that have not ended, the outermost first."""
+
     def __init__(self) -> None:
         super().__init__(convert_charrefs=True)
         self.open = [_Element("", {})]
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Add an element to the innermost open one; open it unless it has no end tag."""
         element = _Element(tag, dict(attrs))
         self.open[-1].inside.append(element)
         if tag not in VOID:
             self.open.append(element)
 
     def handle_endtag(self, tag: str) -> None:
+        """Close the innermost open element if it has the tag."""
         if tag == self.open[-1].tag:
             self.open.pop()
 
     def handle_data(self, data: str) -> None:
+        """Add a text to the innermost open element."""
         self.open[-1].inside.append(data)
 
 
@@ -112,10 +122,12 @@ def _blocks(element: _Element, items: Sequence[Any]) -> Iterator[str]:
 
 
 def _line(element: _Element) -> str:
+    """Return what is inside an element as one line of Markdown."""
     return _SPACES.sub(" ", _inline(element)).strip()
 
 
 def _inline(element: _Element) -> str:
+    """Return what is inside an element as Markdown; white space is left as it is."""
     return "".join(_spaced(one) if isinstance(one, str) else _marked(one) for one in element.inside)
 
 
@@ -140,11 +152,13 @@ def _marked(element: _Element) -> str:
 
 
 def _target(link: str) -> str:
+    """Return the target of a link between Markdown pages, for one between HTML pages."""
     page = link.partition("#")[0].replace("index.html", "report.md")
     return page.removesuffix(".html") + ".md" if page.endswith(".html") else page
 
 
 def _text(element: _Element) -> str:
+    """Return all text inside an element, as it is."""
     return "".join(one if isinstance(one, str) else _text(one) for one in element.inside)
 
 
@@ -155,6 +169,7 @@ def _table(element: _Element) -> str:
 
 
 def _cells(row: _Element) -> list[str]:
+    """Return the cells of a row of a table, as Markdown."""
     return [_line(one) for one in row.all("td", "th")]
 
 
@@ -171,5 +186,6 @@ def _packed_cell(cell: list[str]) -> str:
 
 
 def _lines(rows: list[list[str]]) -> str:
+    """Return rows of cells as a table in Markdown, the first of which is the headings."""
     headings, *others = (f"| {' | '.join(row)} |" for row in rows)
     return "\n".join([headings, f"|{' --- |' * len(rows[0])}", *others])

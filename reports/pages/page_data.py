@@ -120,6 +120,7 @@ class PageData:
 
 
 def _trimmed(texts: list[str]) -> list[str]:
+    """Remove empty texts at the end of a list, but not the first, in place; return the list."""
     while len(texts) > 1 and not texts[-1]:
         texts.pop()
     return texts

@@ -190,6 +190,7 @@ def _models(scenario: Scenario) -> dict[str, str]:
 
 
 def _write_plotly(written: ReportFolder) -> None:
+    """Write Plotly's script, compressed, into the folder of a report."""
     from plotly.offline import get_plotlyjs
 
     packed = base64.b64encode(zlib.compress(get_plotlyjs().encode("utf-8"), 9)).decode("ascii")

@@ -70,6 +70,11 @@ class ReportFolder:
         Parameters
         ----------
         name : path relative to the folder, with `/`
+
+        Raises
+        ------
+        OSError
+            If the file cannot be written, or its folder is a link.
         """
         path = self._folder / name
         if path.parent != self._folder:
@@ -141,6 +146,6 @@ def source(name: str) -> str:
 
 
 def write_assets(written: ReportFolder, *names: str) -> None:
-    """Write style sheets and scripts into the folder of a report."""
+    """Write style sheets and scripts, given by the names of their files, into a report's folder."""
     for name in names:
         written.write(f"assets/{name}", source(name))

@@ -39,7 +39,7 @@ def checksum(table: str, record: Mapping[str, Any]) -> str:
 
 
 def _as_stored(value: Any) -> str | float | None:
-    """Return a value as SQLite returns it: without bool, NaN and −0, and with 1.0 as 1."""
+    """Return a value as SQLite returns it: NaN as None, −0 as 0, a bool or 1.0 as the number 1."""
     if isinstance(value, str):
         return value
     number = float(value) + 0.0

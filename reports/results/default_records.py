@@ -50,6 +50,8 @@ class DefaultEffects:
 def default_effects(rows: Iterable[Row], varied: Iterable[Row]) -> list[DefaultEffects]:
     """Return the effects of defaults, for each method and scene where they were measured.
 
+    That is at each timestep at which there are runs with all of the defaults and with none.
+
     Parameters
     ----------
     rows, varied : runs of engines as they are, and of varied engines
@@ -72,7 +74,11 @@ ALL = ("all",)
 
 
 def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row]) -> DefaultEffects:
-    """Return the effects of the defaults, given runs by the names of the defaults they keep."""
+    """Return the effects of the defaults, given runs by the names of the defaults they keep.
+
+    Runs with none, `()`, and with all, `ALL`, must be there. If no run has a default alone, that
+    with all stands for it; if none has all others, that with none.
+    """
     names = dict.fromkeys(name for some in by_names if some != ALL for name in some)
     each = []
     none, every = by_names[()], by_names[ALL]

@@ -89,6 +89,7 @@ class Ensemble:
         return f"{self.members} members of seed {self.seed}"
 
     def _member(self, number: int) -> EnsemblePoint:
+        """Return the identity of the member with a number."""
         return EnsemblePoint(self.seed, number, self.timestep)
 
 

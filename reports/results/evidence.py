@@ -44,6 +44,7 @@ class Explanation:
 
     @model_validator(mode="after")
     def _is_known(self) -> "Explanation":
+        """Return the change; raise ValueError unless its kind is known and has as many numbers."""
         if self.kind not in KINDS:
             raise ValueError("must be of a known kind")
         if len(self.numbers) != KINDS[self.kind].count:
@@ -105,6 +106,7 @@ class GainCurve:
 
     @model_validator(mode="after")
     def _is_a_table(self) -> "GainCurve":
+        """Return the curve; raise ValueError unless all columns are of one length."""
         columns = self.gains, self.predicted, self.predicted_to, self.largest
         if any(len(column) != len(self.timesteps) for column in columns):
             raise ValueError("must have one value a timestep throughout")

@@ -15,7 +15,7 @@ _NAMES_ANOTHER = bytes.fromhex("d9d505f920a163d7")
 
 
 def check_journals(path: Path) -> None:
-    """Raise if a file that SQLite keeps beside a result file may not be its own.
+    """Raise if a file that SQLite keeps beside a result file may not belong to that file.
 
     This comes before SQLite acts on those files. SQLite writes to '-wal' and '-shm', waits for one
     that is a pipe, and undoes what '-journal' says was half written; if that ends in the name of a
@@ -44,6 +44,7 @@ def check_journals(path: Path) -> None:
 
 
 def _last_bytes(path: Path, count: int) -> bytes:
+    """Return the last `count` bytes of a file, or all if it has fewer."""
     with path.open("rb") as file:
         size = file.seek(0, os.SEEK_END)
         file.seek(max(0, size - count))

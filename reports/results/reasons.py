@@ -175,7 +175,7 @@ def _gained(fault: StepFault) -> str:
 
 
 def _replay(replay: ReplayEvidence) -> str:
-    """Return, in words, how replays differ from their run."""
+    """Return, in words, how the replays of a run differ from the run."""
     at = f"at a timestep of {replay.timestep:.3g} s"
     if replay.spread:
         return (

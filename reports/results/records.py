@@ -57,6 +57,7 @@ def _name_of_scene(name: str) -> str:
 
 
 def _name(name: str) -> str:
+    """Return the name of an engine or method; raise `ValueError` if it is empty."""
     if not name:
         raise ValueError("names no engine or no method")
     return name
@@ -127,6 +128,7 @@ class Key(OfMethod):
 
 
 def _named(key: Key) -> Key:
+    """Return a key; raise `ValueError` if it names no engine or no method."""
     _name(key.engine)
     _name(key.method)
     return key

@@ -181,7 +181,10 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
 
 @contextmanager
 def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
-    """Yield a connection to an SQLite file, with limits and checks against foreign files."""
+    """Yield a connection to an SQLite file, with limits and checks against foreign files.
+
+    `options` are those of SQLite's address, such as "mode=ro".
+    """
     address = f"{path.as_uri()}?{options}"
     with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as connection:
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_RECORD)
@@ -197,9 +200,9 @@ def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
 
 
 def _check_log(path: Path) -> None:
-    """Raise if the log beside a file belongs to another file, whose run was killed.
+    """Raise `ResultFileError` if the log beside a file belongs to another file.
 
-    SQLite would apply the log to whatever file now has the name.
+    That is one whose run was killed. SQLite would apply the log to whatever file now has the name.
     """
     if not (has_log(path) and path.exists()):
         return
@@ -243,7 +246,10 @@ def _begin(connection: sqlite3.Connection, schema: str) -> None:
 
 
 def _check(connection: sqlite3.Connection, schema: str) -> None:
-    """Raise unless the file is a result file of this format and schema, and undamaged."""
+    """Raise `ResultFileError` unless a file is a result file of this format, and undamaged.
+
+    `schema` is the SQL that creates such a file; the tables of the file must be the same.
+    """
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
         raise ResultFileError("not a result file of spincheck")
     version = connection.execute("PRAGMA user_version").fetchone()[0]

@@ -43,6 +43,10 @@ _SORTED = "scenario, engine, method"
 class Store:
     """An open result file.
 
+    Parameters
+    ----------
+    file : the connection to it
+
     Attributes
     ----------
     log_missing : whether the file is an incomplete copy, made while a run was writing
@@ -60,6 +64,7 @@ class Store:
             self._put(connection, *records)
 
     def _put(self, connection: sqlite3.Connection, *records: Record) -> None:
+        """Store records as `put` does, inside a transaction that was begun."""
         for record in records:
             table = _TABLE_OF[type(record)]
             columns = table.columns(record)
@@ -70,7 +75,11 @@ class Store:
     def select(
         self, table: Table[R], where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
     ) -> list[R]:
-        """Return the stored records of a table that count; parameters as in `Database.select`."""
+        """Return the stored records of a table that count.
+
+        Parameters are those of `Database.select`. It raises `ResultFileError` if a record was
+        changed after it was written, or cannot be read.
+        """
         found = self._database.select(table.name, where, values, order)
         return [table.read(one) for one in found if self._counts(table, one)]
 
@@ -94,10 +103,15 @@ class Store:
         return sha256(joined.encode()).hexdigest()[:DIGITS] if any(parts) else ""
 
     def _take_fingerprints(self, fingerprints: Iterable[Fingerprint]) -> None:
+        """Let results count from now on only if they have these digests."""
         self._fingerprints |= {(f.scenario, f.engine, f.kind): f.digest for f in fingerprints}
 
     def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
         """Set the digests that results of a scene must have to count from now on.
+
+        Parameters
+        ----------
+        fingerprints : at least one, all of one scene
 
         Returns
         -------
@@ -161,7 +175,8 @@ class Store:
         Parameters
         ----------
         evidence : None if there is none
-        discardable : timesteps, s, of the runs whose samples are dropped
+        discardable : timesteps, s, of the runs of the same method and scene whose samples are
+            dropped
         """
         with self._database.transaction() as connection:
             self._put(connection, verdict)
@@ -209,7 +224,7 @@ class Store:
                 connection.execute(f"DELETE FROM costs WHERE {_ONE_METHOD}", _names(key))
 
     def timed(self) -> set[Key]:
-        """Return the methods on scenes whose steps were timed."""
+        """Return the methods on scenes that were timed, also those whose steps cannot be timed."""
         return {one.key for one in self.select(tables.COSTS, "variation = ''")}
 
     def read(self, timesteps: Sequence[float] = ()) -> Results:
@@ -266,6 +281,7 @@ class Store:
         return self.select(tables.ROWS, "scenario = ? AND variation != ''", (scenario,))
 
     def _ensembles(self) -> list[DefinedEnsemble]:
+        """Return the definitions of the stored ensembles, sorted by scene."""
         return self.select(tables.ENSEMBLES, order="scenario, ensemble")
 
     def _verdicts(self, timesteps: str) -> list[Verdict]:
@@ -279,6 +295,7 @@ class Store:
 
 
 def _names(key: Key) -> tuple[str, str, str]:
+    """Return scene, engine and method of a key, the values for `_ONE_METHOD`."""
     return key.scenario, key.engine, key.method
 
 

@@ -208,10 +208,12 @@ class Table(Generic[R]):
 
     @cached_property
     def _has_key(self) -> bool:
+        """Whether the record has a `Key`, whose fields are columns."""
         return any(field.name == "key" for field in fields(self.record))
 
     @cached_property
     def _adapter(self) -> TypeAdapter[R]:
+        """The validator of the record."""
         return TypeAdapter(self.record)
 
 

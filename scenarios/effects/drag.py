@@ -29,10 +29,12 @@ def _decay(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
+    """Yield the coefficient of drag."""
     yield _WHERE, "the drag", mpf(extent.scenario.pushed["drag"]), "N m s"
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
+    """Yield the fastest decay of ω by drag."""
     yield _WHERE, "a decay by drag", mpf(extent.scenario.pushed["drag"]) / extent.moments[0]
 
 

@@ -75,7 +75,12 @@ class Scene(Protocol):
         """The parts of the body that turn in it."""
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors)."""
+        """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
+
+        Parameters
+        ----------
+        omega_body, spins : ω, body axes, (n, 3), and spins, (n, rotors), in n states, rad/s
+        """
 
     @property
     def kept_at_start(self) -> FloatArray:

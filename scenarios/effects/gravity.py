@@ -29,7 +29,10 @@ def potential(scenario: Scene, motion: Trajectory) -> FloatArray:
 
 
 def torque_body(scenario: Scene, R_world_body: FloatArray) -> FloatArray:
-    """Return r × m g about the pivot, N m, body axes, (3,); zeros without a pivot."""
+    """Return r × m g about the pivot, N m, body axes, (3,); zeros without a pivot.
+
+    `R_world_body` is the rotation matrix of one attitude, (3, 3).
+    """
     if not scenario.constraint.is_pivot:
         return np.zeros(3)
     return cross(scenario.body.com, scenario.body.mass * (scenario.gravity_world @ R_world_body))
@@ -53,6 +56,7 @@ def swing_rate(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
+    """Yield the acceleration, and the largest potential energy of the com."""
     where = ("effects", "gravity", "acceleration")
     g = length(extent.scenario.gravity_world)
     energy = extent.scenario.body.mass_exact * g * extent.distance
@@ -61,6 +65,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
+    """Yield the rate of a small swing under gravity, if the body is held."""
     if not extent.scenario.constraint.is_free:
         lever = extent.scenario.body.mass_exact * extent.arm
         pull = lever * length(extent.scenario.gravity_world)

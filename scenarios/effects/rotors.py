@@ -87,6 +87,7 @@ def gyroscopic_rate(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
+    """Yield distance, angular momentum and kinetic energy of each rotor."""
     speed = length(extent.scenario.start.omega_body_exact)
     for k, rotor in enumerate(extent.scenario.rotors.each):
         where = ("rotors", k)
@@ -97,6 +98,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
+    """Yield the gyroscopic rate of the rotors, rad/s."""
     rate = mpf(gyroscopic_rate(extent.scenario))
     yield ("rotors",), "the rotors' momentum over the body's moment", rate
 

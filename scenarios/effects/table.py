@@ -141,7 +141,7 @@ def check(scenario: Scene, stated: StartTable) -> None:
     Raises
     ------
     Misfit
-        If the body does not.
+        If it does not, or if a pivot holds the body as well.
     """
     if PIVOT in scenario.acting:
         raise Misfit("does not go with a pivot: both hold the body; remove one", *WHERE)
@@ -185,6 +185,7 @@ def _check_stated(scenario: Scene, stated: StartTable) -> None:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
+    """Yield the table's height, the tip's radius, the lever, and lever² over the least moment."""
     table = extent.scenario.table_of(TableTable)
     assert table is not None
     yield (*WHERE, "height"), "the table's height", abs(mpf(table.height)), "m"

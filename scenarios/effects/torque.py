@@ -52,6 +52,7 @@ def _rates(extent: Extent) -> Iterator[Rate]:
 
 
 def _torque(extent: Extent) -> mpf:
+    """Return the size of the scene's constant torque, N m."""
     pushed = extent.scenario.pushed
     return max(length(pushed[f"torque_{axes}"]) for axes in ("body", "world"))
 

@@ -59,11 +59,16 @@ class BraxSession(WorldSession):
         return {way: Derivative(compute, through=compute) for way, compute in ways.items()}
 
     def _derivative(self, way: str, steps: int = 1) -> FloatArray:
+        """Return the Jacobian of the next steps by a turn and ω, body axes, (6, 6).
+
+        `way` is JAX's mode, "jacfwd" or "jacrev".
+        """
         found = import_module(f"{__package__}.jacobian").jacobian(self.world, way, steps)
         return along(self.frame.body_from_axes.as_matrix(), found)
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
+    """Return the method of a pipeline, by the pipeline's name."""
     setup = f"state = brax.{name}.pipeline.step(sys, state, act)"
     return Method(name, 1, 1, summary, EFFECTS, as_shipped=as_shipped, setup=setup)
 

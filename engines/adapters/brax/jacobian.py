@@ -40,7 +40,10 @@ _JACOBIANS = {
 
 
 def jacobian(world: Any, way: str, steps: int) -> FloatArray:
-    """Return the Jacobian of a world's next steps by a turn and ω, its body's axes, (6, 6).
+    """Return the Jacobian of a world's next steps by a turn, rad, and ω, rad/s, (6, 6).
+
+    Rows are turn and ω after the steps; all are along the axes of the scene's record. The world
+    itself takes no step.
 
     Parameters
     ----------

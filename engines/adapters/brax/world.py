@@ -51,18 +51,21 @@ FRAME = np.array([[1, 1, 1], [1, -1, 1], [1, 0, -2]]) / np.sqrt([3, 2, 6])
 
 
 def single(numbers):
-    """Return numbers in single precision."""
+    """Return numbers as an array in single precision; those beyond its range are infinite."""
     with np.errstate(over="ignore"):
         return np.asarray(numbers, np.float32)
 
 
 def texts(numbers):
-    """Return numbers as text in MJCF."""
+    """Return numbers as one text, separated by spaces, as an attribute of MJCF has them."""
     return " ".join(map(repr, map(float, numbers)))
 
 
 def mjcf(scene, options):
-    """Return the MJCF of a body on a free joint at its com, or on three hinges at its pivot."""
+    """Return the MJCF of a body on a free joint at its com, or on three hinges at its pivot.
+
+    `options` has Brax's own options, numbers by name.
+    """
     is_free = scene["arm"] is None
     custom = "".join(f'<numeric name="{key}" data="{options[key]}"/>' for key in options)
     return MJCF.format(
@@ -128,7 +131,10 @@ def system_of(structure, numbers, timestep):
 
 @partial(jax.jit, static_argnums=(0, 1))
 def begun(pipeline, structure, numbers, timestep, q, qd):
-    """Return a pipeline's state with coordinates q and velocities qd, before the first step."""
+    """Return a pipeline's state with coordinates q and velocities qd, before the first step.
+
+    The system is given by the arguments of `system_of`.
+    """
     return pipeline.init(system_of(structure, numbers, timestep), q, qd)
 
 
@@ -153,7 +159,7 @@ def moved(structure, numbers, timestep, state, place, turning):
 
 @partial(jax.jit, static_argnums=(0, 1))
 def stepped(pipeline, structure, numbers, timestep, state, count):
-    """Return the state after `count` steps."""
+    """Return the state after `count` steps of the system that `system_of` returns."""
     system = system_of(structure, numbers, timestep)
     without_actuators = np.zeros(0, np.float32)
     return jax.lax.fori_loop(
@@ -188,7 +194,10 @@ class World:
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep; leave nothing of earlier steps."""
+        """Set another motion, keyed as in the scene's record, and timestep, s.
+
+        Nothing of earlier steps is left.
+        """
         self.timestep = single(timestep)
         R, omega = matrix(motion["q"]), np.array(motion["omega"])
         if self.is_free:
@@ -237,7 +246,10 @@ class World:
 
 @partial(jax.jit, static_argnums=0)
 def stepped_all(pipeline, systems, states, count):
-    """Return the states of all worlds after `count` steps."""
+    """Return the states of all worlds after `count` steps.
+
+    `systems` and `states` are trees whose arrays have a row for each world.
+    """
     without_actuators = np.zeros(0, np.float32)
     step = jax.vmap(lambda system, now: pipeline.step(system, now, without_actuators))
     return jax.lax.fori_loop(0, count, lambda _, now: step(systems, now), states)
@@ -249,7 +261,12 @@ def stacked(trees):
 
 
 class Worlds:
-    """Worlds whose systems differ only in numbers, stepped together by `jax.vmap`."""
+    """Worlds whose systems differ only in numbers, stepped together by `jax.vmap`.
+
+    Parameters
+    ----------
+    worlds : a `World` for each, at its start
+    """
 
     def __init__(self, worlds):
         self.worlds, self.pipeline = worlds, worlds[0].pipeline

@@ -92,7 +92,12 @@ class DartSession(WorldSession):
 
 
 def _rotor(joint: Any, node: Any) -> HeldRotor:
-    """Return a rotor, given its joint and its body node, at the joint's angle 0."""
+    """Return a rotor at its joint's angle 0, in the axes and from the origin of the body node.
+
+    Parameters
+    ----------
+    joint, node : the rotor's joint to the body, and its own body node
+    """
     inertia, at = node.getInertia(), joint.getTransformFromParentBodyNode()
     R = np.array(at.rotation())
     com = np.array(at.translation()) + R @ inertia.getLocalCOM()

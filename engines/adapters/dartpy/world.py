@@ -10,7 +10,14 @@ LIGHT = 2.0**-80
 
 
 class World:
-    """One body on a free joint at its com, or on a ball joint where it is held, which may slide."""
+    """One body on a free joint at its com, or on a ball joint where it is held, which may slide.
+
+    Parameters
+    ----------
+    scene : the scene's record
+    method : name of the method
+    timestep : s
+    """
 
     def __init__(self, scene, method, timestep):
         self.scene, self.is_pushed = scene, is_pushed(scene)
@@ -48,7 +55,7 @@ class World:
         return (node,)
 
     def add_rotor(self, rotor):
-        """Add a rotor at its place; return its joint and its body node."""
+        """Add a rotor of the record at its place; return its joint and its body node."""
         kind = "Weld" if rotor["hinge"] == "locked" else "Revolute"
         joint, node = getattr(self.skeleton, f"create{kind}JointAndBodyNodePair")(self.body)
         at = dart.math.Isometry3(np.eye(3), self.lever + rotor["place"])
@@ -63,11 +70,11 @@ class World:
         return joint, node
 
     def spins(self):
-        """Return the angular velocities of all rotors relative to the body, rad/s."""
+        """Return the spins of the rotors, relative to the body, rad/s; 0 for a locked one."""
         return [joint.getVelocity(0) if joint.getNumDofs() else 0.0 for joint, _ in self.rotors]
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep."""
+        """Set another motion, keyed as in the scene's record, and timestep, s."""
         self.world.setTimeStep(timestep)
         for (joint, _), spin in zip(self.rotors, motion.get("spins", ()), strict=True):
             if joint.getNumDofs():
@@ -88,7 +95,10 @@ class World:
         self.joint.setSpatialVelocity(velocity, dart.dynamics.Frame.World(), self.body)
 
     def motion(self):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins.
+
+        The units are those of the record: rad/s, m and m/s.
+        """
         body = self.body
         attitude = body.getWorldTransform()
         omega = attitude.rotation() @ body.getSpatialVelocity()[:3]

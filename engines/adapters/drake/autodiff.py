@@ -54,6 +54,8 @@ def _set(world: Any, plant: Any, context: Any, numbers: Any) -> Any:
 
     Parameters
     ----------
+    world : the world whose plant `plant` differentiates
+    plant, context : the plant of numbers `AutoDiffXd`, and its context
     numbers : the attitude, w x y z, and ω in body axes, with their gradients, (7,)
     """
     joint = plant.get_joint(world.joint.index())
@@ -76,4 +78,5 @@ def _turning(spatial: Any, body: Any, context: Any) -> Any:
 
 
 def _gradient(numbers: Any) -> FloatArray:
+    """Return the gradients of n numbers of type `AutoDiffXd`, one a row, (n, 6)."""
     return np.asarray(drake.ExtractGradient(numbers.reshape(-1, 1)))

@@ -28,7 +28,10 @@ EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
-    """Return the method of an integration scheme, or of a plant that steps itself."""
+    """Return the method of one of Drake's integration schemes, or of a plant that steps itself.
+
+    `name` is the scheme's name, "discrete" for such a plant, or "default".
+    """
     setup = f"""\
 plant = MultibodyPlant(time_step=0.0)
 config = SimulatorConfig(
@@ -80,7 +83,10 @@ class DrakeSession(WorldSession):
         return mass, com, np.array(about_com)
 
     def _rotor(self, joint: Any) -> HeldRotor:
-        """Return the child body of a joint as a rotor, at the joint's angle 0."""
+        """Return the child body of a joint as a rotor, at the joint's angle 0.
+
+        It is in the axes and from the origin of the parent body.
+        """
         mass, com, inertia_com = self._mass_of(joint.child_body())
         at = joint.frame_on_parent().GetFixedPoseInBodyFrame()
         R = at.rotation().matrix()
@@ -105,7 +111,17 @@ class DrakeSession(WorldSession):
         return {"AutoDiff of dω/dt": Derivative(self._derivative)}
 
     def _derivative(self, steps: int = 1) -> FloatArray:
-        """Return the derivative by turn and ω, body axes, of steps, (6, 6), or dω/dt, (3, 6)."""
+        """Return the derivative by turn and ω, body axes, of steps, (6, 6), or dω/dt, (3, 6).
+
+        The latter is that of a plant with an integrator, for which `steps` is ignored.
+
+        Raises
+        ------
+        UnsupportedError
+            If the scene has torques that are applied from outside the plant.
+        EngineError
+            If Drake cannot differentiate the plant.
+        """
         try:
             autodiff: Any = import_module(f"{__package__}.autodiff")
             q, numbers = autodiff.differentiated(self.world, steps)
@@ -116,7 +132,7 @@ class DrakeSession(WorldSession):
         return along(self.frame.body_from_axes.as_matrix(), derivative)
 
     def check(self) -> None:
-        """Check that Drake took the right number of steps."""
+        """Raise `EngineError` unless Drake took the right number of steps."""
         simulator, taken = self.world.simulator, self.world.taken
         if self.world.is_discrete:
             count = simulator.get_num_unrestricted_updates()
@@ -146,7 +162,10 @@ class DrakeSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield in words how the joints of rotors differ from what the scene states."""
+        """Yield in words how the joints of rotors differ from what the scene states.
+
+        Actuators of other joints are yielded, too.
+        """
         plant, context = self.world.plant, self.world.context
         drives = {
             int(actuator.joint().index()): actuator.calc_reflected_inertia(context)

@@ -10,7 +10,13 @@ DISCRETE = ("discrete", "default")
 
 
 class Torque(drake.LeafSystem):
-    """A Drake system whose output is the scene's constant torques on the body."""
+    """A Drake system whose output is the scene's constant torques on the body.
+
+    Parameters
+    ----------
+    scene : the scene's record
+    body : the plant's body
+    """
 
     def __init__(self, scene, body):
         super().__init__()
@@ -31,7 +37,14 @@ class Torque(drake.LeafSystem):
 
 
 class World:
-    """One body, on a ball joint of roll, pitch and yaw at its pivot, or on a quaternion joint."""
+    """One body, on a ball joint of roll, pitch and yaw at its pivot, or on a quaternion joint.
+
+    Parameters
+    ----------
+    scene : the scene's record
+    method : name of the method
+    timestep : s
+    """
 
     def __init__(self, scene, method, timestep):
         self.method, self.is_discrete = method, method in DISCRETE
@@ -99,7 +112,10 @@ class World:
         return frame
 
     def add_rotor(self, rotor, lever):
-        """Add a rotor at its place; return its joint."""
+        """Add a rotor of the record at its place; return its joint.
+
+        `lever` is the vector from the body's joint to its com, m, axes of the record, (3,).
+        """
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = rotor_tensor(rotor)
         inertia = drake.SpatialInertia.MakeFromCentralInertia(
             rotor["mass"], np.zeros(3), drake.RotationalInertia(xx, yy, zz, xy, xz, yz)
@@ -117,12 +133,15 @@ class World:
         return joint
 
     def offset(self, name, frame, place):
-        """Add and return a frame with a given name, at a place in another frame."""
+        """Add and return a frame with a given name, at a place in another frame, m, (3,)."""
         at = drake.RigidTransform(np.array(place))
         return self.plant.AddFrame(drake.FixedOffsetFrame(name, frame, at))
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep; a plant that steps itself keeps its own."""
+        """Set another motion, keyed as in the scene's record, and timestep, s.
+
+        A plant that steps itself keeps the timestep that it was built with.
+        """
         self.timestep, self.taken, self.clock = timestep, 0, 0.0
         self.simulator.get_mutable_context().SetTime(0.0)
         if not self.is_discrete:
@@ -149,7 +168,10 @@ class World:
         self.simulator.ResetStatistics()
 
     def slide_to(self, motion):
-        """Set the slides so that the com has the place and velocity of a motion."""
+        """Set the slides so that the com has the place and velocity of a motion.
+
+        The attitude must have been set before.
+        """
         body, context = self.body, self.context
         arm = matrix(motion["q"]) @ body.CalcCenterOfMassInBodyFrame(context)
         place = motion["com"] - arm

@@ -99,7 +99,13 @@ class ExudynSession(WorldSession):
         super().restart(state, timestep)
 
     def advance(self, steps: int) -> None:
-        """Let the world take steps; check their number and length by Exudyn's clock."""
+        """Let the world take steps; check their number and length by Exudyn's clock.
+
+        Raises
+        ------
+        EngineError
+            If the solver gave up, or the steps are not those that were to be taken.
+        """
         try:
             self.world.advance(steps)
         except RuntimeError as error:
@@ -151,7 +157,10 @@ class ExudynSession(WorldSession):
         return frozenset(acting | {f"an object of type {kind}" for kind in {*kinds} - KINDS})
 
     def _wrong_hinges(self, objects: Sequence[Any]) -> Iterator[str]:
-        """Yield in words how joints and drives of rotors differ from what the scene states."""
+        """Yield in words how joints and drives of rotors differ from what the scene states.
+
+        `objects` are all objects of the system, by their numbers.
+        """
         described = zip(self.scene["rotors"], self.world.rotors, self.world.spins_set, strict=True)
         for number, (wanted, rotor, spin) in enumerate(described, start=1):
             joint, hinge = objects[int(rotor.joint)], wanted["hinge"]
@@ -170,6 +179,10 @@ class ExudynSession(WorldSession):
 
         It is empty if no coordinate is constrained; if they implement neither, it has words on
         which coordinates they are.
+
+        Parameters
+        ----------
+        objects : all objects of the system
         """
         constrained = []
         for found in objects:
@@ -183,7 +196,10 @@ class ExudynSession(WorldSession):
         return kinds.get((*constrained,), {f"other constrained coordinates: {constrained}"})
 
     def _of_load(self, found: Any) -> str:
-        """Return the name of the effect that a load implements, or a description of the load."""
+        """Return the name of the effect that a load implements, or a description of the load.
+
+        A load of another size or direction than the scene's effect is described.
+        """
         vector, scene, system = np.array(found["loadVector"]), self.scene, self.world.system
         if found["loadType"] == "ForceVector":
             of = system.GetObject(system.GetMarker(found["markerNumber"])["bodyNumber"])

@@ -41,7 +41,7 @@ Rotor = namedtuple("Rotor", "node body joint drive place axis")
 
 
 def settings(solver):
-    """Return Exudyn's settings for a solver; as shipped, Exudyn halves steps that fail."""
+    """Return Exudyn's settings for the solver of that name; as shipped, it may halve steps."""
     own = OF_TRAPEZOIDAL_RULE if solver == "TrapezoidalIndex2" else {}
     steady = {} if solver == AS_SHIPPED else {"adaptiveStep": False}
     simulation = exudyn.SimulationSettings()
@@ -61,6 +61,12 @@ class World:
     the pivot, the tensor is taken about the pivot, and gravity is a force on a marker at the com.
     On a table the node is at the tip, for constraints of other points begin with wrong forces,
     about which the trapezoidal rule oscillates.
+
+    Parameters
+    ----------
+    scene : the scene's record
+    method : name of the method
+    timestep : s
     """
 
     def __init__(self, scene, method, timestep):
@@ -82,6 +88,10 @@ class World:
         step were lost. So the node's axes are the body's axes in the order that is furthest from
         the world's at the start. Errors with joints depend on these axes, so that a restart must
         build the system again on the axes that suit the new attitude.
+
+        Parameters
+        ----------
+        R_world_axes : the attitude of the record's axes, (3, 3)
         """
         starts = [np.trace(R_world_axes @ turned) for turned in TURNED]
         best = TURNED[int(np.argmin(np.abs(starts)))]
@@ -210,7 +220,10 @@ class World:
             self.system.AddObject(items.ObjectConnectorCoordinate(markerNumbers=pair))
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep, and begin a new run of the solver."""
+        """Set another motion, keyed as in the scene's record, and timestep, s.
+
+        A new run of the solver begins.
+        """
         self.timestep = timestep
         R_world_axes, omega = matrix(motion["q"]), np.array(motion["omega"])
         self.face(R_world_axes)
@@ -277,7 +290,13 @@ class World:
             self.system.SetNodeParameter(node, name, coordinates)
 
     def spins(self, omega, R_world_axes):
-        """Return the spins of rotors: angular velocities about their axes, relative to the body."""
+        """Return the spins of rotors: rates about their axes, relative to the body, rad/s.
+
+        Parameters
+        ----------
+        omega : ω of the body, rad/s, world axes, (3,)
+        R_world_axes : the attitude of the record's axes, (3, 3)
+        """
         turning = exudyn.OutputVariableType.AngularVelocity
         each = ((rotor, self.system.GetNodeOutput(rotor.node, turning)) for rotor in self.rotors)
         return [(R_world_axes @ rotor.axis) @ (of_rotor - omega) for rotor, of_rotor in each]
@@ -305,6 +324,11 @@ class World:
         The end time is also computed as that sum: with steps · timestep, a fraction of a step might
         remain. With constant steps it is half a step earlier: Exudyn does not shorten the last
         step, and in a run to 1e6 s it took one step too many, as if the sum had not been reached.
+
+        Raises
+        ------
+        RuntimeError
+            If the solver gives up.
         """
         progress, end = self.solver.it, 0.0
         for _ in range(steps):

@@ -119,6 +119,7 @@ def errors_told() -> Iterator[None]:
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
+    """Return the method of one of Genesis's integrators, by its name."""
     setup = "" if as_shipped else SETUP.format(name)
     return Method(name, 1, 1, summary, COMMON_EFFECTS, as_shipped=as_shipped, setup=setup)
 

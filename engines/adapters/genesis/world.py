@@ -28,12 +28,12 @@ MJCF = """\
 
 
 def texts(numbers):
-    """Return numbers as text in MJCF."""
+    """Return numbers as one text, separated by spaces, as an attribute of MJCF has them."""
     return " ".join(map(repr, map(float, numbers)))
 
 
 def lever_of(scene):
-    """Return the vector from the joint to the com, m, (3,)."""
+    """Return the vector from the joint to the com, m, axes of the record, (3,)."""
     return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
 
@@ -48,7 +48,15 @@ def mjcf(scene):
 
 
 class World:
-    """One body; `others` are the scenes of more worlds, which have the same effects."""
+    """One body, in one world or in several.
+
+    Parameters
+    ----------
+    scene : the scene's record
+    method : name of the method
+    timestep : s
+    others : the records of the scenes of more worlds, which have the same effects
+    """
 
     def __init__(self, scene, method, timestep, others=()):
         self.scene, self.scenes = scene, [scene, *others]
@@ -87,7 +95,10 @@ class World:
         self.solver.set_links_inertia(tensor, link)
 
     def restart(self, motion, timestep):
-        """Set another timestep and motion, or a list of motions; forget earlier steps."""
+        """Set another motion, keyed as in the scene's record, or a list with one for each world.
+
+        `timestep` is that of the steps from now on, s; earlier steps are forgotten.
+        """
         self.there.reset()
         self.solver.rigid_info.substep_dt.fill(timestep)
         self.start(motion if isinstance(motion, list) else [motion])
@@ -101,7 +112,11 @@ class World:
         self.solver.set_dofs_velocity(qd)
 
     def coordinates(self, motion):
-        """Return the joint's coordinates and velocities at a motion; their ω is in body axes."""
+        """Return the joint's coordinates and velocities at a motion as two lists.
+
+        A free joint has place and attitude, a ball joint the attitude, w x y z; their ω is in body
+        axes.
+        """
         place, velocity = (motion["com"], motion["velocity"]) if self.is_free else ((), ())
         omega = matrix(motion["q"]).T @ motion["omega"]
         return [*place, *motion["q"]], [*velocity, *omega]
@@ -129,7 +144,10 @@ class World:
         return np.concatenate([q, omega, com, np.cross(omega, com)])
 
     def push(self):
-        """Set the torques on the bodies for one step."""
+        """Set the scene's constant torques on the bodies for one step.
+
+        Drag is a damping of the joint instead.
+        """
         link = [self.solver.n_links - 1]
         for torque, is_local in (
             (self.scene["torque_body"], True),

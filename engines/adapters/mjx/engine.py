@@ -19,6 +19,7 @@ EFFECTS = (COMMON_EFFECTS - {"torque_world"}) | {"rotors", "table"}
 
 
 def _method(name: str, order: int, summary: str) -> Method:
+    """Return the method of one of MuJoCo's integrators, by its name in MJCF."""
     return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 
@@ -57,6 +58,10 @@ class MJX(Engine):
         return batch(scenarios, texts, timestep, is_double=not self.single_precision)
 
     def _text(self, scenario: Scenario, method: Method) -> str:
+        """Return the MJCF of a scene for a method.
+
+        It raises `UnsupportedError` if the body is too small for MuJoCo.
+        """
         check_not_too_small(scenario)
         integrator = None if method.as_shipped else method.name
         passes = left_in(scenario, integrator, SPRINGS)

@@ -14,6 +14,9 @@ from .world import in_precision, one_step
 def _compiled(trees: Any, way: str) -> Any:
     """Return a compiled function that gives the Jacobian of steps, and qpos and qvel after them.
 
+    Its arguments are the number of steps, qpos and qvel before them in one array, and the arrays of
+    the model and of the data.
+
     Parameters
     ----------
     trees : structures of the model and of the data, as JAX's trees
@@ -38,6 +41,7 @@ def jacobian(world: Any, way: str, steps: int) -> tuple[Any, Any]:
     """Return qpos and qvel after the next steps of a world, (n,), and their Jacobian, (n, n).
 
     The Jacobian is by qpos and qvel before the steps; `way` is JAX's mode, "jacfwd" or "jacrev".
+    The world itself takes no step.
     """
     in_precision(world.is_double)
     data = world.data()

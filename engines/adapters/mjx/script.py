@@ -15,7 +15,10 @@ world = World(*in_mjx(nameless(MJCF).compile()), TIMESTEP, qpos={{qpos}}, qvel={
 
 
 def script(scenario: Scenario, integrator: str | None, timestep: float, is_double: bool) -> str:
-    """Return Python that builds and steps a scene's model; as shipped if `integrator` is None."""
+    """Return Python that builds and steps a scene's model; as shipped if `integrator` is None.
+
+    It computes in double precision if `is_double` is set, else in single.
+    """
     text = mjcf(scenario, timestep, integrator, left_in(scenario, integrator, SPRINGS))
     world = Path(__file__).with_name("world.py")
     return port_script(world, scenario, text, _MADE.format(is_double=is_double))

@@ -65,7 +65,10 @@ class MJXSession(PortSession):
 def batch(
     scenarios: Sequence[Scenario], texts: Mapping[Scenario, str], timestep: float, is_double: bool
 ) -> Batch:
-    """Open a batch with a world for each scene; `texts` holds the MJCF of each different scene."""
+    """Open a batch with a world for each scene; `texts` holds the MJCF of each different scene.
+
+    It computes in double precision if `is_double` is set, else in single.
+    """
     models = [_in_mjx(text, is_double) for text in texts.values()]
     worlds = [list(texts).index(scenario) for scenario in scenarios]
     return WorldBatch(_module().Worlds(models, worlds, timestep, *starts(scenarios)))

@@ -30,7 +30,10 @@ def in_precision(is_double):
 
 
 def nameless(text):
-    """Return the MJCF without name and keyframe, which would make JAX compile anew."""
+    """Return an MJCF as an editable model without its name and its first keyframe.
+
+    These would make JAX compile anew.
+    """
     spec = mujoco.MjSpec.from_string(text)
     spec.modelname = ""
     spec.delete(spec.keys[0])
@@ -50,13 +53,17 @@ def in_mjx(compiled):
 
 
 def kinds(arrays):
-    """Return shape and type of each array."""
+    """Return shape and type of each array, which can be a key of a cache."""
     return tuple((array.shape, str(array.dtype)) for array in arrays)
 
 
 @cache
 def loop(trees, still, moving):
     """Return the compiled loop of steps for models of one structure, whose numbers are arguments.
+
+    The loop takes the arrays of model and data, the numbers of steps before each sample, padded to
+    `SAMPLES_A_CALL`, and the number of samples. It returns the arrays of the data at the end, and
+    qpos and qvel at each sample, one a row.
 
     Parameters
     ----------
@@ -94,7 +101,14 @@ def at_timestep(model, timestep):
 
 
 class World:
-    """MJX's model and data as flat lists of JAX's arrays, starting at coordinates qpos and qvel."""
+    """MJX's model and data as flat lists of JAX's arrays, starting at coordinates qpos and qvel.
+
+    Parameters
+    ----------
+    model, data : from `in_mjx`
+    timestep : s
+    qpos, qvel : coordinates and velocities of the start, (nq,) and (nv,)
+    """
 
     def __init__(self, model, data, timestep, qpos, qvel):
         self.is_double = data.qpos.dtype == np.float64
@@ -135,7 +149,7 @@ class World:
         self.run([steps])
 
     def motions(self, places):
-        """Return qpos and qvel of the one world, whose index is 0, in one row for each place."""
+        """Return qpos and qvel of the one world, of index 0, as a row for each of `places`."""
         at = self.moving_at.qpos, self.moving_at.qvel
         return np.concatenate([self.moving[one] for one in at])[None][places]
 
@@ -149,6 +163,11 @@ class Worlds:
 
     `models` are what `in_mjx` returns, and `worlds` holds for each world the index of its model;
     numbers in which the models differ are arrays over worlds.
+
+    Raises
+    ------
+    ValueError
+        If the models differ in more than numbers.
     """
 
     def __init__(self, models, worlds, timestep, qpos, qvel):

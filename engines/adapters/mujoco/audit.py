@@ -139,7 +139,14 @@ def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
 
 
 def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> Iterator[str]:
-    """Yield a description of each effect whose strength differs from the scene's."""
+    """Yield a description of each effect that acts with another strength than in the scene.
+
+    Effects that only act, or that the scene only calls for, are left out.
+
+    Parameters
+    ----------
+    strengths : as `read_strengths` returns them
+    """
     wanted_of = {"gravity": scenario.gravity_world, **scenario.pushed}
     for name, strength in strengths.items():
         got = np.diag(strength) if strength.ndim > 1 else strength
@@ -153,7 +160,8 @@ def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
     """Return the strength of each effect by name, and sentences on what else actuators do.
 
     A strength is a vector, (3,), except that of drag: the matrix D of the torque −D ω in body axes,
-    (3, 3). It is zero for an effect whose pass is switched off.
+    (3, 3). Gravity is in m/s², torques are in N m, drag in N m s. A strength is zero for an effect
+    whose pass is switched off.
     """
     drag, others = np.diag(_joint_damping(model)), []
     torque_body, torque_world = np.zeros((2, 3), model.opt.gravity.dtype)
@@ -182,6 +190,7 @@ def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
 
 
 def _joint_damping(model: Any) -> FloatArray:
+    """Return the damping of the body's ω, N m s, (3,); zero if MuJoCo's pass for it is off."""
     damping: FloatArray = model.dof_damping[_turning(model)] * _is_on(model, "damper")
     return damping
 
@@ -266,4 +275,5 @@ def _idle_passes(model: Any) -> frozenset[str]:
 
 
 def _is_on(model: Any, name: str) -> bool:
+    """Whether a pass is on, by the name of its flag; if this version lacks the flag, it is."""
     return not model.opt.disableflags & disabling().get(name, 0)

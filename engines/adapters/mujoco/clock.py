@@ -17,6 +17,7 @@ CLOCK = "clock"
 
 
 def _pointer() -> ctypes.c_void_p:
+    """Return the library's variable `mjcb_time`; its value is the clock's address, or None."""
     folder = Path(mujoco.__file__).parent
     file = next(file for pattern in _LIBRARIES for file in folder.glob(pattern))
     return ctypes.c_void_p.in_dll(ctypes.CDLL(str(file)), "mjcb_time")

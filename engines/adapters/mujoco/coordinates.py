@@ -36,6 +36,7 @@ def one_body(model: Any, body: int) -> BodyReading:
 
 
 def _rotation(q_wxyz: FloatArray) -> Rotation:
+    """Return the rotation of a quaternion, w x y z, (4,)."""
     return Rotation.from_quat(q_wxyz, scalar_first=True)
 
 
@@ -129,7 +130,10 @@ class CoordinateSession(Session):
         return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
 
     def coordinates(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return a state's coordinates, (nq,), and velocities, (nv,), as `states_at` reads them."""
+        """Return a state's coordinates, (nq,), and velocities, (nv,), as `states_at` reads them.
+
+        The angles of rotors are 0.
+        """
         q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
         spins, moving = state.spins[self._is_turning], self._moving
         R_world_body = matrix(q_world_body_wxyz)

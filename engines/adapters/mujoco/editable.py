@@ -40,7 +40,10 @@ def with_start(spec: Any) -> Any:
 
 
 def set_scene(model: Any, scenario: Scenario, integrator: str) -> None:
-    """Set in a compiled model what a body's file does not have: integrator, gravity, the start."""
+    """Set in a compiled model what a body's file does not have: integrator, gravity, the start.
+
+    The start goes into the model's first keyframe; `integrator` is MuJoCo's name, in any case.
+    """
     model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{integrator.upper()}"]
     model.opt.gravity = scenario.gravity_world
     model.key_qpos[0], model.key_qvel[0] = start_coordinates(scenario)

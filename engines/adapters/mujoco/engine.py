@@ -54,7 +54,10 @@ SHIPPED = "default"
 
 
 def setup(integrator: str) -> str:
-    """Return how users choose an integrator: in MJCF, and on a compiled model."""
+    """Return the lines by which users choose an integrator: in MJCF, and on a compiled model.
+
+    `integrator` is its name in MJCF.
+    """
     return f"""\
 <option integrator="{integrator}" timestep="TIMESTEP"/>
 
@@ -173,7 +176,11 @@ class MuJoCo(Engine):
         return run_script(world, made, _STATE, "mujoco.mj_step(model, data, count)")
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Return the names of the passes that a method switches off, and the clock's name."""
+        """Return the names of the passes that a method switches off, and the clock's name.
+
+        There are none for a method as shipped. `OF_CONTACTS` are left out for a contact, as
+        switching them off changes the motion; the clock is there if MuJoCo's package installs one.
+        """
         if method.as_shipped:
             return ()
         kept = OF_CONTACTS if _is_by_contact(method) else ()
@@ -206,6 +213,7 @@ def _integrator(method: Method) -> str | None:
 
 
 def _is_by_contact(method: Method) -> bool:
+    """Whether a method holds a body on a table by a contact."""
     return "table" in method.requires
 
 
@@ -220,7 +228,7 @@ def _alone(scenario: Scenario, method: Method) -> Scenario:
 
 
 def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
-    """Return MuJoCo's names of the passes that a method does not need."""
+    """Return MuJoCo's names of the passes that a method does not need to simulate a scene."""
     needed = PASSES if _is_by_contact(method) else ()
     return tuple(name for name in switched_off(_alone(scenario, method)) if name not in needed)
 
@@ -238,7 +246,10 @@ def _model(scenario: Scenario, method: Method, description: Description) -> Any:
 
 
 def _of_urdf(scenario: Scenario, description: Description) -> Any:
-    """Return the compiled model of a scene's URDF, with a free joint and rotors' drives added."""
+    """Return the compiled model of a scene's URDF, with what URDF cannot state added.
+
+    These are the free joint of a free body, and the drives of rotors.
+    """
     spec = spec_of_urdf(urdf(scenario, READER_ROUNDOFF, description=description))
     if scenario.constraint.is_free:
         free(spec.body(BODY_LINK))

@@ -78,7 +78,12 @@ def _of_mjcf(users: UsersLink) -> Any:
 
 
 def _alone(whole: Any, users: UsersLink) -> Any:
-    """Return the compiled model of a link and those welded to it, cut out of a whole one."""
+    """Return the compiled model of a link and those welded to it, cut out of a whole one.
+
+    Parameters
+    ----------
+    whole : the editable model of the whole file, whose options become the defaults
+    """
     spec = mujoco.MjSpec()
     # Versions from 4.0.0 on warn if options differ; none of the file's options is part of the body.
     for name in (name for name in dir(spec.option) if not name.startswith("_")):

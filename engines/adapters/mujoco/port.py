@@ -86,6 +86,7 @@ class PortBatch(WorldBatch):
     ----------
     session : a session of the first world, which converts states to coordinates
     worlds : as `world` of `PortSession`, with rows of qpos and qvel for each world
+    device : the device that steps them: the CPU, or the name of a GPU
     """
 
     def __init__(self, session: PortSession, worlds: Any, device: str) -> None:

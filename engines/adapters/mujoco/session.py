@@ -99,7 +99,10 @@ class MuJoCoSession(CoordinateSession):
 
     @contextmanager
     def _stepping(self) -> Iterator[None]:
-        """Set or remove the clock, and collect MuJoCo's warnings, inside the block."""
+        """Set or remove the clock, and collect MuJoCo's warnings, inside the block.
+
+        An error that makes MuJoCo stop is raised as `EngineError`.
+        """
         clock.hang(self._clock)
         try:
             with _hearing(self._warnings):
@@ -173,7 +176,8 @@ class MuJoCoSession(CoordinateSession):
         """Return the derivative of a step by a turn and ω, body axes, (6, 6).
 
         These are rows and columns of MuJoCo's matrix A, whose tangent of a quaternion is a turn in
-        body axes. `centred` says whether differences are centred or forward.
+        body axes. `centred` says whether differences are centred or forward. It raises
+        `UnsupportedError` if MuJoCo refuses, or the body is on hinges.
         """
         nv = self.model.nv
         A = np.zeros((2 * nv, 2 * nv))
@@ -191,17 +195,19 @@ class MuJoCoSession(CoordinateSession):
         del self.model, self.data
 
     def _bytes(self) -> Snapshot:
+        """Return the present snapshot, even if MuJoCo has warned."""
         mujoco.mj_getState(self.model, self.data, self._read, READ)
         self._reading[0] = self._steps
         return self._reading.tobytes()
 
 
 def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
+    """Return n snapshots as rows: number of steps, time, s, qpos and qvel, (n, 2 + nq + nv)."""
     return np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
 
 
 def check_not_too_small(scenario: Scenario) -> None:
-    """Raise `UnsupportedError` for a body whose numbers are too small for MuJoCo."""
+    """Raise `UnsupportedError` for a body or rotor whose numbers are too small for MuJoCo."""
     parts = scenario.carrier, *(rotor.body for rotor in scenario.rotors.each)
     least = min(min(part.mass, *part.principal_moments) for part in parts)
     if least <= mujoco.mjMINVAL:

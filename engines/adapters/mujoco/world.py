@@ -28,13 +28,22 @@ def disabling():
 
 
 def flags(enum, prefix):
-    """Return MuJoCo's flags by the names that MJCF gives them."""
+    """Return the bits of MuJoCo's flags by the names that MJCF gives them.
+
+    Parameters
+    ----------
+    enum : one of MuJoCo's enumerations
+    prefix : what the names of its flags begin with
+    """
     members = enum.__members__.items()
     return {key.removeprefix(prefix).lower(): int(bit) for key, bit in members if prefix in key}
 
 
 def set_timestep(model, timestep, tied):
-    """Set the timestep, s, and with `tied` > 0 the time constant of contacts, in timesteps."""
+    """Set the timestep, s, and with `tied` > 0 the time constant of contacts, in timesteps.
+
+    With `tied` = 0 the model's own time constants are left.
+    """
     model.opt.timestep = timestep
     if tied:
         model.geom_solref[:, 0] = tied * timestep

@@ -25,6 +25,7 @@ world = World([model], [0], TIMESTEP, {qpos}, {qvel})"""
 
 
 def _method(name: str, order: int, summary: str) -> Method:
+    """Return the method of one of MuJoCo's integrators, by its name in MJCF."""
     return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 
@@ -67,7 +68,11 @@ class MuJoCoWarp(Engine):
         return PortBatch(session, world, warp_device())
 
     def _world(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Any:
-        """Return MuJoCo Warp's worlds of scenes, one for each scene."""
+        """Return MuJoCo Warp's worlds of scenes, one for each scene.
+
+        It raises `UnsupportedError` if a body is too small for MuJoCo, `EngineError` if MuJoCo's
+        compiler refuses a model.
+        """
         different = list(dict.fromkeys(scenarios))
         for scenario in different:
             check_not_too_small(scenario)
@@ -79,6 +84,7 @@ class MuJoCoWarp(Engine):
             return module.World(models, worlds, timestep, *starts(scenarios))
 
     def _text(self, scenario: Scenario, method: Method) -> str:
+        """Return the MJCF of a scene for a method."""
         integrator = None if method.as_shipped else method.name
         passes = left_in(scenario, integrator, ALWAYS_ON)
         return mjcf(scenario, self.stock_timestep, integrator, passes)

@@ -15,6 +15,10 @@ class FirstWorld:
     """MuJoCo Warp's model or data of its first world, under MuJoCo's names, as numpy's arrays.
 
     A field that MuJoCo Warp does not have is read from MuJoCo's own model or data.
+
+    Parameters
+    ----------
+    on_device, compiled : MuJoCo Warp's model or data, or options of a model, and MuJoCo's own
     """
 
     def __init__(self, on_device, compiled):

@@ -96,7 +96,10 @@ class NewtonSession(WorldSession):
         return {"Warp's tape": Derivative(self._taped, through=self._taped)}
 
     def _taped(self, steps: int = 1) -> FloatArray:
-        """Return the derivative of steps by turn and ω, body axes, (6, 6)."""
+        """Return the derivative of steps by turn and ω, body axes, (6, 6).
+
+        It raises `UnsupportedError` if the solver does not accept a model with gradients.
+        """
         motion = self.frame.motion(self.read_state())
         try:
             with kernels_kept():
@@ -107,6 +110,7 @@ class NewtonSession(WorldSession):
 
     @cached_property
     def _tape(self) -> Any:
+        """The scene's second model, by which steps are differentiated; made when first needed."""
         return import_module(f"{__package__}.tape").Tape(self.world)
 
     def active(self) -> frozenset[str]:
@@ -164,15 +168,18 @@ class NewtonSession(WorldSession):
 def _clean(
     name: str, order: int, summary: str, solver: str, effects: frozenset[str] = EFFECTS
 ) -> Method:
+    """Return a method that is not as shipped; `solver` is the call by which users make it."""
     return Method(name, order, order, summary, effects, setup=SETUP.format(solver))
 
 
 def _mujoco(integrator: str, order: int, summary: str) -> Method:
+    """Return the method of one of MuJoCo Warp's integrators, by its name in Newton."""
     solver = f'MuJoCo(model, integrator="{integrator}", disable_contacts=True)'
     return _clean(f"mujoco-{integrator}", order, f"MuJoCo Warp's {summary}", solver)
 
 
 def _shipped(name: str, summary: str, effects: frozenset[str] = EFFECTS) -> Method:
+    """Return the method of a solver with its defaults, of first order."""
     return Method(name, 1, 1, f"as shipped: {summary}", effects, as_shipped=True)
 
 

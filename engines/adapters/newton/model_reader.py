@@ -61,7 +61,8 @@ class NewtonModelReader(ModelReader):
 def _bodies(built: Any, model: ModelFile) -> dict[str, BodyReading]:
     """Return a finalized model's bodies by the links' names.
 
-    Newton labels a body by a path that ends with the link's name.
+    Newton labels a body by a path that ends with the link's name, with "_" for "-"; bodies whose
+    label ends with no link's name are left out.
     """
     names = {link.name.replace("-", "_"): link.name for link in model.links}
     names |= {link.name: link.name for link in model.links}

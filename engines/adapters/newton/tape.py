@@ -20,7 +20,12 @@ QUATERNION, TURNING = (6, 3, 4, 5), (3, 4, 5)
 
 
 class Tape:
-    """A second model of a world's scene, with gradients, whose steps Warp's tape records."""
+    """A second model of a world's scene, with gradients, whose steps Warp's tape records.
+
+    Parameters
+    ----------
+    world : a `World` of the adapter's stand-alone module
+    """
 
     def __init__(self, world: Any) -> None:
         builder = world.builder()
@@ -31,6 +36,11 @@ class Tape:
 
     def jacobian(self, motion: Any, timestep: float, steps: int) -> FloatArray:
         """Return the Jacobian of steps from a motion by a turn and ω, axes of the record, (6, 6).
+
+        Parameters
+        ----------
+        motion : the motion before the steps, keyed as in the scene's record
+        timestep : s
 
         Raises
         ------

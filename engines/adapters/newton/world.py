@@ -36,7 +36,10 @@ def push_bodies(
     bodies: int,
     wrench: wp.array(dtype=wp.spatial_vector),
 ):
-    """Set the scene's torques on the first of the `bodies` bodies of each world; a Warp kernel."""
+    """Set the scene's torques on the first of the `bodies` bodies of each world; a Warp kernel.
+
+    Drag, N m s, and torques, N m, are those of the record; `wrench` receives force and torque.
+    """
     i = wp.tid() * bodies
     turned = wp.quat_rotate(wp.transform_get_rotation(pose[i]), torque_body)
     torque = turned + torque_world - drag * wp.spatial_bottom(twist[i])
@@ -44,20 +47,25 @@ def push_bodies(
 
 
 def transform(place, q_wxyz=(1.0, 0.0, 0.0, 0.0)):
-    """Return a position and a quaternion w x y z as Newton's transform."""
+    """Return a position, m, and a quaternion w x y z as Newton's transform."""
     w, x, y, z = q_wxyz
     return wp.transform(wp.vec3(*place), wp.quat(x, y, z, w))
 
 
 def lever_of(scene):
-    """Return the vector from the joint to the com, m, (3,)."""
+    """Return the vector from the joint to the com, m, axes of the record, (3,)."""
     return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
 
 class World:
     """One body on a free joint at its com, or on a ball joint; its rotors on hinges.
 
-    `others` are the scenes of more worlds of one model, which have the same effects.
+    Parameters
+    ----------
+    scene : the scene's record
+    method : key of `SOLVERS`
+    timestep : s
+    others : the records of the scenes of more worlds of one model, which have the same effects
     """
 
     def __init__(self, scene, method, timestep, others=()):
@@ -94,7 +102,7 @@ class World:
         return builder
 
     def add_scene(self, builder, scene):
-        """Add a scene's body and rotors."""
+        """Add a scene's body and rotors to a model builder."""
         lever = lever_of(scene)
         body = self.add_body(builder, scene["mass"], lever, np.diag(scene["moments"]))
         is_free = scene["arm"] is None
@@ -103,12 +111,15 @@ class World:
         builder.add_articulation([root, *hinges])
 
     def add_body(self, builder, mass, com, tensor):
-        """Add a body, given mass, com and tensor about the com; return its number."""
+        """Add a body, given mass, com and tensor about the com, SI units; return its number."""
         inertia = wp.mat33(*tensor.ravel())
         return builder.add_link(mass=mass, com=wp.vec3(*com), inertia=inertia, lock_inertia=True)
 
     def add_rotor(self, builder, body, lever, rotor):
-        """Add a rotor at its place; return its joint."""
+        """Add a rotor of the record at its place on a body; return the number of its joint.
+
+        `lever` is the vector from the body's joint to its com, m, axes of the record, (3,).
+        """
         child = self.add_body(builder, rotor["mass"], np.zeros(3), rotor_tensor(rotor))
         at = transform(lever + rotor["place"])
         if rotor["hinge"] == "locked":
@@ -119,7 +130,10 @@ class World:
         )
 
     def restart(self, motion, timestep):
-        """Set another timestep and motion, or a list of motions; forget earlier steps."""
+        """Set another motion, keyed as in the scene's record, or a list with one for each world.
+
+        `timestep` is that of the steps from now on, s; earlier steps are forgotten.
+        """
         self.timestep = timestep
         motions = motion if isinstance(motion, list) else [motion]
         pairs = [self.coordinates(*both) for both in zip(self.scenes, motions, strict=True)]
@@ -132,7 +146,10 @@ class World:
         self.then.assign(self.now)
 
     def coordinates(self, scene, motion):
-        """Return the coordinates and velocities of all joints of a scene at a motion."""
+        """Return the coordinates and velocities of all joints of a scene at a motion, as two lists.
+
+        Attitudes are x y z w; the angles of rotors are 0.
+        """
         w, *xyz = motion["q"]
         spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)
         spins = [spin for rotor, spin in spins if rotor["hinge"] != "locked"]
@@ -140,7 +157,10 @@ class World:
         return [*place, *xyz, w, *np.zeros(len(spins))], [*velocity, *motion["omega"], *spins]
 
     def motion(self, world=0):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
+        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins.
+
+        `world` is the index of a world.
+        """
         scene, own = self.scenes[world], slice(world * self.bodies, (world + 1) * self.bodies)
         poses = self.now.body_q.numpy()[own].astype(float)
         twists = self.now.body_qd.numpy()[own].astype(float)
@@ -166,7 +186,7 @@ class World:
         wp.launch(push_bodies, dim=len(self.scenes), inputs=inputs)
 
     def step(self, timestep):
-        """Take a step."""
+        """Take a step of a length, s."""
         if is_pushed(self.scene):
             self.push(self.now)
         self.solver.step(self.now, self.then, self.control, None, timestep)

@@ -47,7 +47,15 @@ def modules_folder() -> Path:
 
 
 def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
-    """Return the engine in a file, starting it only if its description is not stored."""
+    """Return the engine in a file, starting it only if its description is not stored.
+
+    If it does not start, the reason is returned.
+
+    Parameters
+    ----------
+    path : the engine's `.mjs` file
+    modules : folder of the npm packages
+    """
     command = ("node", str(path), str(modules))
     hello = _said_before(path, modules)
     if hello is not None:
@@ -62,6 +70,7 @@ def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
 
 
 def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEngine:
+    """Return the engine that a command starts, given its description and its `.mjs` file."""
     sources = (path, *PARTS, LOCK)
     engine = ChildEngine(command, hello, sources=sources, script=partial(script, path))
     engine.family = FAMILY
@@ -83,6 +92,7 @@ def _said_before(path: Path, modules: Path) -> Hello | None:
 
 
 def _memory(path: Path, modules: Path) -> Path:
+    """Return the file that stores an engine's description, named by a digest of its sources."""
     files = (path, *PARTS)
     digest = sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]
     return modules.parent / f"{path.stem}-{digest}.json"

@@ -40,7 +40,10 @@ function state() {{
 
 
 def script(path: Path, scenario: Scenario, method: Method) -> str:
-    """Return JavaScript that builds and steps a scene with a method of the engine in `path`."""
+    """Return JavaScript that builds and steps a scene with a method of the engine in `path`.
+
+    The timestep is left to the name `TIMESTEP`, which the code does not define.
+    """
     text = path.read_text(encoding="utf-8")
     found = _OPEN.search(text)
     assert found is not None, f"{path.name} has no function 'open'"
@@ -61,6 +64,7 @@ def script(path: Path, scenario: Scenario, method: Method) -> str:
 
 
 def _part(path: Path) -> str:
+    """Return the text of a module without the word "export" before what it defines."""
     return re.sub(r"^export ", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
 
 
@@ -75,5 +79,6 @@ def _package(text: str) -> str:
 
 
 def _entries(scenario: Scenario) -> list[str]:
+    """Return the lines of a scene's record as entries of a JavaScript object."""
     record = scene_record(scenario)
     return [f"  {key}: {json.dumps(record[key])},  // {ABOUT[key]}" for key in record]

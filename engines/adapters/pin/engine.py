@@ -60,7 +60,7 @@ class PinocchioSession(WorldSession):
         """Return the Jacobian of dω/dt with respect to a small turn and ω, (3, 6), in body axes.
 
         It is made of ∂ddq/∂q and ∂ddq/∂v: Pinocchio's tangent of a joint that turns is a turn in
-        body axes.
+        body axes. It raises `UnsupportedError` if the scene has torques or drag.
         """
         world = self.world
         if world.is_pushed:
@@ -89,7 +89,7 @@ class PinocchioSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return names for what the joints are, and whether each is there.
+        """Return whether each effect or fault of the joints is present, by its name in the audit.
 
         Joints before the body's are slides, those after it are hinges of rotors.
         """

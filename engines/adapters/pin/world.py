@@ -13,7 +13,14 @@ STAGES = ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0))
 
 
 class World:
-    """One body, on a spherical joint at its pivot or on a free-flyer joint at its com."""
+    """One body, on a spherical joint at its pivot or on a free-flyer joint at its com.
+
+    Parameters
+    ----------
+    scene : the scene's record
+    method : name of the method
+    timestep : s
+    """
 
     def __init__(self, scene, method, timestep):
         self.scene, self.is_pushed = scene, is_pushed(scene)
@@ -43,7 +50,7 @@ class World:
         self.model.appendBodyToJoint(self.joint, inertia, pinocchio.SE3.Identity())
 
     def add_rotor(self, rotor):
-        """Add a rotor; return the number of its joint, which is 0 if it is locked."""
+        """Add a rotor of the record; return the number of its joint, which is 0 if it is locked."""
         at = pinocchio.SE3(np.eye(3), self.lever + rotor["place"])
         inertia = pinocchio.Inertia(rotor["mass"], np.zeros(3), rotor_tensor(rotor))
         if rotor["hinge"] == "locked":
@@ -58,7 +65,7 @@ class World:
         return joint
 
     def restart(self, motion, timestep):
-        """Set another motion and timestep."""
+        """Set another motion, keyed as in the scene's record, and timestep, s."""
         self.timestep = timestep
         w, x, y, z = motion["q"]
         R = pinocchio.Quaternion(np.array((x, y, z, w))).matrix()
@@ -89,7 +96,7 @@ class World:
         return np.array([w, x, y, z, *omega, *com, *velocity, *self.spins()])
 
     def spins(self):
-        """Return the angular velocities of all rotors relative to the body, rad/s."""
+        """Return the spins of the rotors, relative to the body, rad/s; 0 for a locked one."""
         joints = self.model.joints
         return [self.v[joints[joint].idx_v] if joint else 0.0 for joint in self.rotors]
 
@@ -99,12 +106,12 @@ class World:
             self.step()
 
     def semi_implicit(self):
-        """Take a step as Pinocchio's examples do."""
+        """Take a step as Pinocchio's examples do: positions by the new velocities."""
         self.v = self.v + self.timestep * self.acceleration(self.q, self.v)
         self.q = pinocchio.integrate(self.model, self.q, self.timestep * self.v)
 
     def runge_kutta(self):
-        """Take a step of position, quaternion (as plain numbers) and velocity."""
+        """Take a Runge-Kutta step of position, quaternion (as plain numbers) and velocity."""
         h, q, v = self.timestep, self.q, self.v
         q_rate, v_rate = np.zeros(len(q)), np.zeros(len(v))
         q_gain, v_gain = np.zeros(len(q)), np.zeros(len(v))
@@ -144,7 +151,7 @@ class World:
         return pinocchio.aba(self.model, self.data, q, v, torque)
 
     def normalised(self, q):
-        """Return the coordinates with their quaternion, x y z w, scaled to norm 1."""
+        """Scale the quaternion, x y z w, of coordinates to norm 1 in place; return them."""
         turning = q[self.q_turning]
         turning /= math.sqrt(turning @ turning)
         return q

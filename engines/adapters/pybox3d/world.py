@@ -7,12 +7,12 @@ from ...world_parts import is_pushed, matrix, push
 
 
 def wxyz(q):
-    """Return one of pybox3d's quaternions as numbers, w x y z."""
+    """Return one of pybox3d's quaternions as numbers, w x y z, (4,)."""
     return np.array((q.w, q.x, q.y, q.z))
 
 
 def xyz(v):
-    """Return one of pybox3d's vectors as numbers."""
+    """Return one of pybox3d's vectors as numbers, (3,)."""
     return np.array((v.x, v.y, v.z))
 
 
@@ -23,14 +23,24 @@ def half_extents(mass, moments):
 
 
 class World:
-    """A box at the com of the body, and for a pivot a spherical joint to a fixed point."""
+    """A box at the com of the body, and for a pivot a spherical joint to a fixed point.
+
+    Parameters
+    ----------
+    scene : the scene's record
+    method : name of the method
+    timestep : s
+    """
 
     def __init__(self, scene, method, timestep):
         self.scene, self.method = scene, method
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Build a new world with another motion and timestep, without memory of earlier steps."""
+        """Build a new world with another motion, keyed as in the scene's record, and timestep, s.
+
+        Nothing of earlier steps is left.
+        """
         self.scene = scene = self.scene | motion
         self.timestep = timestep
         self.world = pybox3d.World(gravity=tuple(scene["gravity"]))

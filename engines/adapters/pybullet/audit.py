@@ -43,7 +43,7 @@ def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) 
 
 
 def _engine(world: World, scenario: Scenario) -> set[str]:
-    """Return "gravity" and descriptions of other settings of PyBullet that act."""
+    """Return "gravity" if it is as in the scene, and descriptions of other settings that act."""
     engine = p.getPhysicsEngineParameters(world.client)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
     acting = {"real-time stepping"} if engine["useRealTimeSimulation"] else set()

@@ -143,7 +143,11 @@ class PyBullet(Engine):
         return script(scenario, REPRESENTATIONS[method.name], timestep)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Return the parts that are left out: the collision shape, and a joint's idle motor."""
+        """Return the parts that are left out: the collision shape, and a joint's idle motor.
+
+        The motor is there only if the body hangs by a joint. A method as shipped, or by contact,
+        leaves out neither.
+        """
         representation = REPRESENTATIONS[method.name]
         if representation.as_shipped or representation.by_contact:
             return ()

@@ -37,6 +37,11 @@ class Model:
 
     It is made as soon as the body is loaded.
 
+    Parameters
+    ----------
+    world : the world, before `World.set_up`
+    scenario : the scene
+
     Attributes
     ----------
     body_from_principal : takes components along the engine's axes (principal) to body components
@@ -115,7 +120,11 @@ class Model:
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
     def coordinates(self, states: State) -> FloatArray:
-        """Return the velocity coordinates of n states, which PyBullet clamps, rad/s and m/s."""
+        """Return the velocity coordinates of n states, which PyBullet clamps, rad/s and m/s.
+
+        Each state is a row: of a base ω and velocity in world axes, of a joint the rates of slides
+        and ω along principal axes, then the spins of all rotors.
+        """
         R_world_body = matrices(states.q_world_body_wxyz)
         if self.world.link == BASE:
             omega_world = turned(R_world_body, states.omega_body)

@@ -65,6 +65,7 @@ class PyBulletModelReader(ModelReader):
 
 
 def _load(client: int, file: str, flags: int) -> int | None:
+    """Load a file; return PyBullet's number of the body, or None if PyBullet refuses the file."""
     try:
         return int(p.loadURDF(file, flags=flags, physicsClientId=client))
     except p.error:
@@ -87,5 +88,9 @@ def _bodies(client: int, body: int) -> dict[str, BodyReading]:
 
 
 def _last_line(printed: str) -> str:
+    """Return the last line that PyBullet printed, without the place in its source.
+
+    If it printed nothing, words that say so are returned.
+    """
     lines = [line.strip() for line in _HEAD.sub("", printed).splitlines() if line.strip()]
     return lines[-1] if lines else "it does not say why"

@@ -33,6 +33,10 @@ WARNING = "b3Warning"
 class PyBulletSession(Session):
     """A session of one scene in a PyBullet world of its own.
 
+    Parameters
+    ----------
+    representation : how the body is represented and held, and which defaults are kept
+
     Raises
     ------
     EngineError
@@ -68,7 +72,11 @@ class PyBulletSession(Session):
         return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set pose and velocities; a body held by a constraint may also be set beside its pivot."""
+        """Set pose and velocities; a body held by a constraint may also be set beside its pivot.
+
+        It raises `UnsupportedError` if the pivot of a rigid body cannot bear the load in that
+        state.
+        """
         timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
             check_borne(self._scenario, state, timestep)
@@ -101,7 +109,10 @@ class PyBulletSession(Session):
             raise EngineError(str(error), "warning") from None
 
     def check(self) -> None:
-        """Raise `EngineError` if the clock is not as it was set, or a velocity is clamped."""
+        """Raise `EngineError` if the clock is not as it was set, or a velocity is clamped.
+
+        It is also raised if the state is not finite.
+        """
         engine, world = p.getPhysicsEngineParameters(self.client), self.world
         wanted = (world.timestep * world.substeps, world.substeps)
         got = (engine["fixedTimeStep"], engine["numSubSteps"])
@@ -116,7 +127,7 @@ class PyBulletSession(Session):
     def snapshot(self) -> bytes:
         """Return com, attitude, velocity, ω and spins as PyBullet returns them, packed as bytes.
 
-        A state that is not finite ends the run: the solvers might not return from it.
+        It raises `EngineError` if the state is not finite: the solvers might not return from it.
         """
         com_world, q_xyzw, velocity_world, omega_world = self.world.motion()
         if isnan(omega_world[0]):

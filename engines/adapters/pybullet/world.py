@@ -93,7 +93,10 @@ class World:
         self.pushes = []
 
     def set_up(self, timestep):
-        """Remove PyBullet's defaults that are not kept, hold the body, and set it moving."""
+        """Remove PyBullet's defaults that are not kept, hold the body, and set it moving.
+
+        `timestep` is the length of the steps, s.
+        """
         scene, client = self.scene, self.client
         has_motors = JOINT_MOTOR in scene["defaults"]
         if DAMPING not in scene["defaults"]:
@@ -121,7 +124,7 @@ class World:
         self.set_timestep(timestep)
 
     def change(self, link, **numbers):
-        """Set dynamics parameters of the base or a link."""
+        """Set dynamics parameters of the base or a link, by the names that `changeDynamics` has."""
         p.changeDynamics(self.body, link, physicsClientId=self.client, **numbers)
 
     def take_away_damping(self):
@@ -143,7 +146,10 @@ class World:
         )
 
     def control(self, mode, **numbers):
-        """Control the spherical joint that the body hangs by."""
+        """Control the spherical joint that the body hangs by.
+
+        `mode` and `numbers` are arguments of `setJointMotorControlMultiDof`.
+        """
         p.setJointMotorControlMultiDof(
             self.body, self.link, mode, physicsClientId=self.client, **numbers
         )
@@ -254,7 +260,10 @@ class World:
             self.change(self.link, jointDamping=drag)
 
     def push(self, torque, frame):
-        """Apply a torque, N m, to the body's base or link, along the axes that `frame` names."""
+        """Apply a torque, N m, to the body's base or link, along the axes that `frame` names.
+
+        `frame` is `LINK_FRAME` or `WORLD_FRAME`.
+        """
         p.applyExternalTorque(self.body, self.link, torque, frame, self.client)
 
     def resist(self, drag):
@@ -267,7 +276,10 @@ class World:
         self.timestep, self.substeps = timestep, 0
 
     def advance(self, steps):
-        """Take whole steps, many in a call if no torque has to be renewed in between."""
+        """Take whole steps, many in a call if no torque has to be renewed in between.
+
+        It raises RuntimeError if PyBullet is interrupted in a step.
+        """
         if steps == self.substeps and self.at_once:
             self.step(steps)
             return
@@ -275,7 +287,7 @@ class World:
             self.step(substeps)
 
     def step(self, substeps):
-        """Take `substeps` steps in one native call."""
+        """Take `substeps` steps in one native call; raise RuntimeError if it is interrupted."""
         if substeps != self.substeps:
             p.setPhysicsEngineParameter(
                 fixedTimeStep=self.timestep * substeps,

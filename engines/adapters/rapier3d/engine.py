@@ -42,7 +42,7 @@ class Rapier3DSession(WorldSession):
         return WorldBody(*self._mass_of(self.world.body), arm, rotors)
 
     def _mass_of(self, body: Any) -> tuple[float, FloatArray, FloatArray]:
-        """Return mass, com and tensor about the com of a body, in its own axes."""
+        """Return mass, com and tensor about the com of a body, SI units, in its own axes."""
         properties, xyz = body.mass_properties, self.module.xyz
         axes = matrix(self.module.wxyz(properties.principal_inertia_local_frame))
         inertia = axes @ np.diag(xyz(properties.principal_inertia)) @ axes.T
@@ -67,7 +67,10 @@ class Rapier3DSession(WorldSession):
         return HeldRotor(mass, place, inertia, axis)
 
     def advance(self, steps: int) -> None:
-        """Take steps; Rapier reports a body with infinite numbers only after the step."""
+        """Take steps; raise `EngineError` if a body has numbers that are not finite.
+
+        Rapier reports that only after the step.
+        """
         self.world.advance(steps)
         self.check()
 

@@ -12,12 +12,12 @@ RIGID = 1e12
 
 
 def wxyz(q):
-    """Return one of Rapier's quaternions as numbers, w x y z."""
+    """Return one of Rapier's quaternions as numbers, w x y z, (4,)."""
     return np.array((q.w, q.i, q.j, q.k))
 
 
 def xyz(v):
-    """Return one of Rapier's vectors as numbers."""
+    """Return one of Rapier's vectors as numbers, (3,)."""
     return np.array((v.x, v.y, v.z))
 
 
@@ -32,14 +32,24 @@ def is_soft(joint):
 
 
 class World:
-    """A body, its rotors, the joint that holds the body if it is not free, and rotors' hinges."""
+    """A body, its rotors, the joint that holds the body if it is not free, and rotors' hinges.
+
+    Parameters
+    ----------
+    scene : the scene's record
+    method : name of the method
+    timestep : s
+    """
 
     def __init__(self, scene, method, timestep):
         self.scene, self.method = scene, method
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Build a new world with another motion and timestep, without memory of earlier steps."""
+        """Build a new world with another motion, keyed as in the scene's record, and timestep, s.
+
+        Nothing of earlier steps is left.
+        """
         self.scene = scene = self.scene | motion
         self.quarantined = False
         self.world = rapier3d.PhysicsWorld(gravity=tuple(scene["gravity"]))
@@ -59,7 +69,11 @@ class World:
     def add_body(self, motion, moments, frame):
         """Add a body with its com at its origin; return Rapier's body and its handle.
 
-        `frame` is the rotation from the principal axes to the body's axes.
+        Parameters
+        ----------
+        motion : mass and motion of the body, keyed as in the scene's record
+        moments : principal moments, kg m², (3,)
+        frame : the rotation from the principal axes to the body's axes
         """
         mass = rapier3d.MassProperties((0.0, 0.0, 0.0), motion["mass"], tuple(moments), frame)
         described = rapier3d.RigidBody.dynamic().additional_mass_properties(mass)
@@ -112,7 +126,7 @@ class World:
         return self.world.impulse_joints.get(number)
 
     def joints(self):
-        """Return all joints."""
+        """Return all joints: the one that holds the body, if any, and those of the rotors."""
         return [self.joint] * (self.joint is not None) + [joint for _, joint in self.rotors]
 
     def motion(self):

@@ -70,7 +70,10 @@ def list_engines(
 
 
 def _methods_of(engine: "Engine") -> Iterator[str]:
-    """Yield a line for an engine and one for each method, with what the method cannot simulate."""
+    """Yield lines for an engine and each of its methods, with what the method cannot simulate.
+
+    The last line is empty; long lines are wrapped.
+    """
     from ....scenarios import EFFECTS
 
     optional = f" (optional: runs only with '--engine {engine.name}')" if engine.is_optional else ""

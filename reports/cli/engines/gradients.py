@@ -33,6 +33,15 @@ def gradients(
     timestep, window : timestep, and length of the window over which gradients of many steps are
         compared, s; chosen for the scene if None
     time_limit : CPU time that a run may take, s; the default if None
+
+    Returns
+    -------
+    A row for each derivative that a method offers on a scene.
+
+    Raises
+    ------
+    Complaint
+        If a name or number cannot be used.
     """
     for option, given in {"--timestep": timestep, "--window": window}.items():
         if given is not None and not 0 < given < float("inf"):

@@ -164,6 +164,12 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     Parameters
     ----------
     timestep : timestep of the run, s
+
+    Raises
+    ------
+    Complaint
+        If the method cannot simulate the scene, the engine has no scripts, the scene has no exact
+        motion, or the timestep does not suit it.
     """
     if reason := engine.unsupported(scenario, method):
         raise Complaint(reason)
@@ -202,7 +208,13 @@ def _writes(engine: Engine, scenario: Scenario) -> bool:
 
 
 def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:
-    """Return the text after the script, with exact values at some of the times."""
+    """Return the text after the script, with exact values at some of the times.
+
+    Parameters
+    ----------
+    solution : the exact motion at the times of the samples
+    steps : numbers of steps up to these times, (n,)
+    """
     motion = solution.trajectory
     kept = np.unique(np.linspace(0, len(motion.t) - 1, MOST_SAMPLES).round().astype(int))
     columns = (steps, motion.q_world_body_wxyz, motion.omega_body)

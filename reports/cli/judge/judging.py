@@ -44,7 +44,13 @@ class Judgement:
 
     @cached_property
     def study(self) -> ConvergenceStudy:
-        """The convergence study in which each file is a run of one method at another timestep."""
+        """The convergence study in which each file is a run of one method at another timestep.
+
+        Raises
+        ------
+        Complaint
+            If the files cannot be runs of one method.
+        """
         names = ", ".join(map(printable, self.motions))
         with as_complaint(RecordingError, before=f"{names}: "):
             return study_of_files(self.scenario, list(self.motions.values()), self.order)
@@ -56,7 +62,11 @@ class Judgement:
 
     @property
     def exit_code(self) -> int:
-        """1 if a motion is not the exact one, or exceeds a bound; else 0."""
+        """The program's exit code: 1 if a motion is wrong or exceeds a bound of the user's, else 0.
+
+        A motion is wrong if a mistake explains it. A single one is wrong, too, if it is further off
+        than the error of a method of its order; several are if the verdict on them is wrong.
+        """
         motions = self.motions.values()
         # For several files the verdict judges the error of a method.
         alone = self.verdict is None
@@ -75,7 +85,7 @@ def judged_files(
     noise: Sequence[str],
     order: int,
 ) -> Judgement:
-    """Read recorded motions from files and compare them with the exact motion.
+    """Read recorded motions from files, and return them compared with the exact motion.
 
     Parameters
     ----------
@@ -84,6 +94,11 @@ def judged_files(
     timesteps : the timestep of each file, s; empty leaves them to the files
     bounds, noise : the values of '--fail-above' and '--noise', as typed: SIGNAL=SIZE
     order : order of accuracy of the method that made the motions
+
+    Raises
+    ------
+    Complaint
+        If an option cannot be used, or a file cannot be read or compared.
     """
     if timesteps and len(timesteps) != len(files):
         raise Complaint(
@@ -113,9 +128,18 @@ def judged_files(
 def write_page(judgement: Judgement, folder: Path) -> Path:
     """Write the scene's page, as in a report, with the files as the runs of one method.
 
+    Parameters
+    ----------
+    folder : the folder of the report
+
     Returns
     -------
     The path of the page.
+
+    Raises
+    ------
+    Complaint
+        If the folder cannot be written, or the files cannot be runs of one method.
     """
     from ...pages.render import render
 
@@ -128,7 +152,7 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
 def _words(**options: str | None) -> dict[str, str]:
     """Check options whose values are words, such as "wxyz"; return those that were given.
 
-    They are in the form in which a file states them.
+    They are in the form in which a file states them. A `Complaint` is raised for another word.
     """
     given = {name: value for name, value in options.items() if value is not None}
     for name, value in given.items():
@@ -138,7 +162,14 @@ def _words(**options: str | None) -> dict[str, str]:
 
 
 def _noise(stated: Sequence[str]) -> dict[str, str]:
-    """Return the noise of attitude, rad, and ω, rad/s, in the form in which a file states it."""
+    """Return the noise of attitude, rad, and ω, rad/s, in the form in which a file states it.
+
+    It raises a `Complaint` for another signal.
+
+    Parameters
+    ----------
+    stated : values of '--noise', as typed
+    """
     noise = dict(_bound("--noise", one) for one in stated)
     if others := noise.keys() - {"attitude", "omega"}:
         raise Complaint(f"'--noise' must be of attitude or omega, got '{others.pop()}'")
@@ -148,7 +179,8 @@ def _noise(stated: Sequence[str]) -> dict[str, str]:
 def _bound(option: str, text: str) -> tuple[str, float]:
     """Parse SIGNAL=SIZE, the value of an option; return the signal and the size.
 
-    The size is in rad for the attitude, else the number as typed.
+    The size is in rad for the attitude, else the number as typed. A `Complaint` that names the
+    option is raised if the text has another form, or the size is negative.
     """
     name, _, size = text.partition("=")
     if name not in SIGNAL:

@@ -20,6 +20,11 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
     old, new : two result files, or two engines of `stored`, of which one is a version, such as
         mujoco@3.3.0, or in another encoding, such as "mujoco as welded"
     stored : the result file in which engines are compared
+
+    Raises
+    ------
+    Complaint
+        If a file cannot be read, or has no results of an engine.
     """
     names_engines = any(mark in old + new for mark in ("@", " as "))
     if names_engines and not (Path(old).exists() and Path(new).exists()):
@@ -30,7 +35,8 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
 def changes_between_versions(results: Results, older: str, newer: str) -> list[Change]:
     """Return what changed from one engine's results to another engine's, in the same result file.
 
-    The engine of each change is written as "mujoco@3.3.0 → 4.0.0".
+    The engine of each change is written as "mujoco@3.3.0 → 4.0.0". A `Complaint` is raised if the
+    file has no verdict on one of the engines.
     """
     for name in (older, newer):
         if not any(verdict.key.engine == name for verdict in results.verdicts):
@@ -60,12 +66,15 @@ def _alone(results: Results, engine: str, name: str) -> Results:
 
 
 def exit_code(changes: Sequence[Change]) -> int:
-    """Return 1 if something changed for the worse, else 0."""
+    """Return 1 if a change is a regression, else 0; not every change for the worse is one."""
     return DISAGREES if any(change.regression for change in changes) else AGREES
 
 
 def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
-    """Return all changes, one by one, and the factors above which a number counts as changed."""
+    """Return all changes, one by one, as a JSON object, with the number of regressions.
+
+    The factors by which a number must differ to count as changed are there, too.
+    """
     return {
         "regressions": sum(change.regression for change in changes),
         "error_factor": ERROR_FACTOR,
@@ -121,7 +130,10 @@ def _line(group: Sequence[Change]) -> dict[str, object]:
 
 
 def _ratio(change: Change) -> float:
-    """Return the factor by which an error changed, at least 1; 0 for any other kind of change."""
+    """Return the factor between the two values of a change, at least 1, inf if one is zero.
+
+    It is 0 for a change of something else than an error or a cost.
+    """
     if not isinstance(change.old, float) or not isinstance(change.new, float):
         return 0.0
     low, high = sorted((change.old, change.new))

@@ -24,7 +24,10 @@ MOST = 1 << 20
 
 
 def named_worlds(text: str) -> list[int]:
-    """Return the sizes of batches, in increasing order, from a text with commas between them."""
+    """Return the sizes of batches, in increasing order, from a text with commas between them.
+
+    It raises a `Complaint` unless these are whole numbers from 1 to `MOST`.
+    """
     try:
         found = sorted({int(part) for part in text.split(",")})
     except ValueError:
@@ -49,6 +52,8 @@ def batches(
 
     Parameters
     ----------
+    scenes : files, folders or names of library scenes, at least one
+    engine_names : names of engines; the default ones if empty
     methods : names of methods; if empty, all but those as shipped
     timesteps : s; if empty, the stock timestep of each engine
     worlds : numbers of worlds in a batch
@@ -58,6 +63,11 @@ def batches(
     Returns
     -------
     A row for each scene, method, timestep and number of worlds.
+
+    Raises
+    ------
+    Complaint
+        If a name or number cannot be used, an engine steps no batches, or it has no such device.
     """
     if not scenes:
         raise Complaint("'--worlds' needs a scene, such as fast-top")
@@ -95,7 +105,7 @@ def _check_batches(engine: Engine) -> None:
 
 
 def print_batches(rows: Sequence[BatchRow]) -> None:
-    """Print a table of the rows of each method, and conclusions."""
+    """Print a table of the rows of each method, conclusions, and why rows have no result."""
     for (scene, engine, method, timestep), group in groupby(
         rows, key=lambda row: (row.scene, row.engine, row.method, row.timestep)
     ):
@@ -139,13 +149,19 @@ def _line(row: BatchRow) -> dict[str, object]:
 
 
 def _words(apart: Apart | None) -> str:
+    """Return, in words, how far worlds are apart; None says that they are not."""
     if not apart:
         return "same bits"
     return f"{apart.ulp:.2g} ulp, {apart.degrees:.1g}°" if isfinite(apart.ulp) else "not finite"
 
 
 def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:
-    """Yield sentences: what motions depend on, and which batches are cheaper than MuJoCo."""
+    """Yield sentences: what motions depend on, and which batches are cheaper than MuJoCo.
+
+    Parameters
+    ----------
+    rows : the batches of one method that were compared
+    """
     if not rows:
         return
     if because := list(dict.fromkeys(word for row in rows for word in row.because)):
@@ -168,10 +184,12 @@ def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:
 
 
 def _failures(rows: Sequence[BatchRow]) -> Iterator[str]:
+    """Yield a line for each batch that could not be compared, with the reason."""
     for row in rows:
         if row.reason:
             yield f"{_worlds(row.worlds)}: {row.reason}"
 
 
 def _worlds(count: int) -> str:
+    """Return a number of worlds in words."""
     return "1 world" if count == 1 else f"{count} worlds"

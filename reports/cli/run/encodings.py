@@ -12,7 +12,9 @@ ALL = "all"
 
 
 def named_encodings(text: str) -> tuple[str, ...]:
-    """Return the encodings that the value of `--as` names.
+    """Return the encodings that the value of `--as` names, in any case.
+
+    It raises a `Complaint` for a name of no encoding.
 
     Parameters
     ----------
@@ -34,6 +36,8 @@ def encoded(
     chosen: Sequence[Engine], names: Sequence[str], scenarios: Sequence[Scenario]
 ) -> Iterator[Engine]:
     """Yield each engine in each encoding that applies to a scene; print which do not, and why.
+
+    The reason is that of the first scene. Engines of users' files are not printed.
 
     Parameters
     ----------

@@ -40,7 +40,10 @@ from ..terminal import (
 
 
 def print_ensemble(swept: EnsembleResult) -> None:
-    """Print a line for each method that ran on an ensemble, with its worst member."""
+    """Print a line for each method that ran on an ensemble, with its worst member.
+
+    Members that are no scene are counted below.
+    """
     print(f"{swept.scenario.name}: {swept.ensemble}")
     table([_line(points) for points in _by_method(swept.points)])
     no_scene = {point.variation: point.reason for point in swept.points if point.cause == "scene"}
@@ -55,6 +58,7 @@ def ensemble_as_json(swept: EnsembleResult) -> dict[str, Any]:
 
 
 def _by_method(points: Iterable[Row]) -> list[list[Row]]:
+    """Return runs in groups, one for each method, sorted by engine and method."""
     by_method: dict[tuple[str, str], list[Row]] = {}
     for point in points:
         by_method.setdefault(point.pair, []).append(point)
@@ -91,10 +95,16 @@ def run_ensembles(
 
     Parameters
     ----------
+    scenes : files, folders or names of library scenes, at least one
     members, seed : the number of members, and the seed of their random numbers
     choice : what runs on the members, at one timestep at most; if none, at stock timesteps
     jobs : number of worker processes
     out : the result file, to which runs are added
+
+    Raises
+    ------
+    Complaint
+        If a name or number cannot be used, or the result file cannot.
     """
     if not scenes:
         raise Complaint("'--ensemble' takes scenes to scatter, got none")
@@ -117,7 +127,8 @@ def _check_members(members: int, seed: int) -> None:
 def member_of(scene: str, number: int | None, seed: int | None) -> Scenario:
     """Return the member of a scene's ensemble with a given number and seed.
 
-    The scene itself is returned if the number is None.
+    The scene itself is returned if the number is None; `seed` None stands for 0. A `Complaint` is
+    raised if the scene cannot be read or the member is no scene, or for a seed without a number.
     """
     base = one_scene(scene)
     if number is None:
@@ -147,6 +158,11 @@ def choose_for_ensemble(
     again : whether members are run whose results are stored already
     python : the command of the interpreter that other versions of engines run under; the
         interpreter of this process if empty
+
+    Raises
+    ------
+    Complaint
+        If there are several timesteps, or as from `choose`.
     """
     if len(timesteps) > 1:
         raise Complaint(f"'--timestep' may be given once with '--ensemble', got {len(timesteps)}")
@@ -174,7 +190,10 @@ def print_ensembles(swept: Sequence[EnsembleResult], out: Path, as_json: bool) -
 
 
 def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
-    """Return 3 if all runs failed, 1 if some did, else 0; a run that diverged has not failed."""
+    """Return 3 if all runs failed or there are none, 1 if some failed, else 0.
+
+    A run that diverged has not failed.
+    """
     outcomes = {point.outcome for one in swept for point in one.points}
     if outcomes <= {"failed"}:
         return NOT_RUN

@@ -104,10 +104,16 @@ def recommend(
 
     Parameters
     ----------
+    scene : a file, or the name of a library scene
     bounds : the largest errors allowed, by signal; those of a report if empty
     engine_names : the engines to choose from; the default ones if empty
     jobs : number of worker processes
     stored : a result file; if it has no timed runs of the scene, its ladders are run
+
+    Raises
+    ------
+    Complaint
+        If a name or bound cannot be used, no method may be recommended, or nothing could be run.
     """
     bounds = bounds or BOUNDS
     scenario = one_scene(scene)
@@ -126,7 +132,10 @@ def recommend(
 
 
 def within(row: Row, bounds: ErrorBounds) -> bool:
-    """Return whether a run has errors to compare and none of them exceeds its bound."""
+    """Return whether a run has errors to compare and none of them exceeds its bound.
+
+    Bounds are by signal: attitude in rad, others relative.
+    """
     if row.errors is None:
         return False
     return all(row.errors[signal] <= bound for signal, bound in bounds.items())
@@ -138,7 +147,7 @@ def exit_code(recommendation: Recommendation) -> int:
 
 
 def _check_bounds(bounds: ErrorBounds, scenario: Scenario) -> None:
-    """Raise a `Complaint` if a bound is not positive, or of no signal of the scene."""
+    """Raise a `Complaint` if a bound is not positive and finite, or of no signal of the scene."""
     for signal, bound in bounds.items():
         if not 0 < bound < math.inf:
             raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}")
@@ -148,6 +157,8 @@ def _check_bounds(bounds: ErrorBounds, scenario: Scenario) -> None:
 
 def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
     """Return the names of the methods that may be recommended for a scene.
+
+    It raises a `Complaint` if there are none.
 
     Parameters
     ----------
@@ -170,8 +181,15 @@ def _timed_runs(
 ) -> Results | None:
     """Return the results in a file on the scene, by the engines at their installed versions.
 
-    None is returned if no method has `LEAST_TIMED` timed runs, or if a signal that is bounded is
-    missing in the errors: older files have no spins.
+    None is returned if there is no file, if it has no such scene or another version of it, if no
+    method has `LEAST_TIMED` timed runs, or if a signal that is bounded is missing in the errors:
+    older files have no spins.
+
+    Parameters
+    ----------
+    bounds : the largest errors allowed, by signal
+    engine_names : the engines to choose from; all that are installed if empty
+    stored : the file
     """
     if not stored.exists():
         return None
@@ -248,6 +266,7 @@ def _left_in(results: Results, key: Key) -> MethodCost | None:
 
 
 def _setup(scene: SceneRuns, best: Candidate) -> str:
+    """Return what users write to use a candidate; empty if the adapter states nothing."""
     assert best.timestep is not None, "only what reaches the bounds is recommended"
     return scene.by_pair[best.key.pair].setup(best.timestep)
 
@@ -293,6 +312,7 @@ def _with_run(results: Results, run: Row) -> Results:
 
 
 def _command(scene: str, best: Candidate) -> str:
+    """Return the command that runs a candidate again, into a result file of its own."""
     parts = ["spincheck", "run", scene, "--engine", best.key.engine, "--method", best.key.method]
     # Into another file: running a scene replaces what a file holds about it.
     parts += ["--timestep", repr(best.timestep), "--out", "recommended.sqlite", "--json"]

@@ -42,6 +42,7 @@ def _ratio(recommendation: Recommendation) -> float | None:
 
 
 def _with_unit(bound: float, unit: str) -> str:
+    """Return a bound as text, in rad and in degrees if its signal's unit is not empty."""
     return f"{bound:.3g} rad, {math.degrees(bound):.3g}°" if unit else f"{bound:g}"
 
 

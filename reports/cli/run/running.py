@@ -83,6 +83,11 @@ def run(
     python : the command of the interpreter that other versions of engines run under; the
         interpreter of this process if empty
     encodings : names of encodings in which bodies are run in addition
+
+    Raises
+    ------
+    Complaint
+        If a name or number cannot be used, or the result file cannot.
     """
     scenarios = scenes_of(scenes, quick=quick)
     choice = choose(
@@ -142,7 +147,10 @@ def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
 
 
 def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
-    """Return only the results that the user asked for, as a result file may hold others."""
+    """Return only the results that the user asked for, as a result file may hold others.
+
+    If timesteps were asked for, runs at those of the scene's expectations are kept, too.
+    """
     pairs = [(engine.name, method.name) for engine, method in choice.pairs()]
     scenes = {scenario.name: scenario for scenario in scenarios}
 
@@ -162,11 +170,16 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
 
 
 def read(path: Path, scene: str = "") -> Results:
-    """Return what a result file holds.
+    """Return what a result file holds; print a warning if it is a copy without its log.
 
     Parameters
     ----------
     scene : name of the only scene whose results are returned; all scenes if empty
+
+    Raises
+    ------
+    Complaint
+        If the file cannot be read, is empty, or holds no results of the scene.
     """
     with as_complaint(ResultFileError), open_store(path) as store:
         results = store.read()
@@ -190,7 +203,10 @@ def read(path: Path, scene: str = "") -> Results:
 
 
 def tidied(path: Path) -> str:
-    """Delete results that no longer count; return in words how many were deleted."""
+    """Delete results that no longer count; return in words how many were deleted.
+
+    It raises a `Complaint` if the result file cannot be used.
+    """
     with as_complaint(ResultFileError):
         with open_store(path):
             before = path.stat().st_size

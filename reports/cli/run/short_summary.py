@@ -86,7 +86,10 @@ def _lost(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def _at_stock(report: ReportData) -> Iterator[str]:
-    """Yield a line for each method: median and largest attitude error at its stock timestep."""
+    """Yield a line for each method shown: median and largest attitude error at stock timestep.
+
+    At most `METHODS_SHOWN` of the `leading` methods are shown, below a heading.
+    """
     by_pair = {one.pair: one for one in at_stock(report)}
     first = [by_pair[pair] for pair in leading(report) if pair in by_pair]
     first.sort(key=lambda one: one.middle)
@@ -134,7 +137,10 @@ def _finest(report: ReportData) -> Iterator[str]:
 
 
 def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:
-    """Yield a line for each run at the timesteps, s, asked for: its errors, or how it ended."""
+    """Yield a line for each run at the timesteps, s, asked for: its errors, or how it ended.
+
+    A heading comes first.
+    """
     shown = [row for row in rows if row.timestep in timesteps]
     errors = (dict(row.errors) for row in shown if row.errors)
     headings, *numbers = aligned(of_signals(errors, _brief)) or [""]
@@ -146,6 +152,7 @@ def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]
 
 
 def _brief(signal: Signal, error: float) -> str:
+    """Return an error in a signal as short text, an angle in degrees."""
     return _degrees(math.degrees(error)) if signal.unit == "rad" else f"{error:.0e}"
 
 
@@ -160,4 +167,5 @@ def _named_run(row: Row, width: int) -> str:
 
 
 def _degrees(degrees: float) -> str:
+    """Return an angle, degrees, as short text."""
     return f"{degrees:.0f}°" if degrees >= LEAST_WHOLE else f"{degrees:.1g}°"

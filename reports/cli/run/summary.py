@@ -70,7 +70,10 @@ def of_signals(
 
 
 def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
-    """Return lines of text in which columns stand side by side, each aligned on the right."""
+    """Return lines of text in which columns stand side by side, each aligned on the right.
+
+    There are none without columns.
+    """
     widths = [max(map(len, column)) + 1 for column in columns]
     return [
         "".join(text.rjust(width) for text, width in zip(line, widths, strict=True))
@@ -79,7 +82,10 @@ def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
 
 
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield a line for each verdict, and below it the reason if the verdict needs one."""
+    """Yield a heading and a line for each verdict, and lines with its reason below it.
+
+    The reason is that of a verdict that needs one, with all unmet expectations.
+    """
     yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'known to':>8}"
     for verdict in verdicts:
         key = verdict.key
@@ -118,12 +124,14 @@ def _begun(row: Row) -> str:
 
 
 def _value(varied: object) -> str:
+    """Return a value that is varied in a run as text, a number padded to a column."""
     if isinstance(varied, int | float):
         return f"{varied:<11.6g}"
     return ", ".join(map(str, varied)) if isinstance(varied, list) else f"{varied}"
 
 
 def _ended(row: Row) -> str:
+    """Return, in words, how and when a run ended, and why."""
     when = f" at {row.stopped_at:.3g} s" if row.stopped_at is not None else ""
     return f"{row.outcome if row.made else 'not run'}{when}: {row.reason}"
 
@@ -164,10 +172,15 @@ def verdict_records(results: Results) -> list[dict[str, Any]]:
 
 
 def _floor_record(finest: float | None, bias: float | None) -> dict[str, Any]:
+    """Return a finest useful timestep, s, and a bias of rounding, ulp, as entries of JSON."""
     return {"finest_useful_timestep": finest, "rounding_bias_ulp_a_step": bias}
 
 
 def _survival_record(survival: Survival | None) -> dict[str, Any]:
+    """Return the largest timestep that a method survives as entries of a JSON object.
+
+    All are None for None.
+    """
     return {
         "largest_surviving_timestep": survival.timestep if survival else None,
         "largest_surviving_turn": survival.turn if survival else None,

@@ -39,14 +39,20 @@ LETTERS = {1: [""], 3: ["_x", "_y", "_z"], 4: ["_w", "_x", "_y", "_z"]}
 
 
 def solved(scenario: Scenario, times: FloatArray) -> Solution:
-    """Return the exact motion of a scene at times, s; compile the solver first if need be."""
+    """Return the exact motion of a scene at times, s, (n,); compile the solver first if need be.
+
+    It raises a `Complaint` if the motion cannot be solved.
+    """
     compile_first()
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         return solve(scenario, times)
 
 
 def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, str]:
-    """Return the texts of truth.csv and, if wanted, of sensitivities.json, by file name."""
+    """Return the texts of truth.csv and, if wanted, of sensitivities.json, by file name.
+
+    It raises a `Complaint` if the motion cannot be solved.
+    """
     solution = solved(scenario, scenario.times)
     motion = solution.trajectory
     columns = {
@@ -67,7 +73,12 @@ def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, st
 
 
 def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]) -> str:
-    """Return a motion as CSV, with its columns' meanings in comments before it."""
+    """Return a motion as CSV, with its columns' meanings in comments before it.
+
+    Parameters
+    ----------
+    columns : the columns by name, (n,) or (n, components)
+    """
     uncertainty = ", ".join(f"{name} {value:.1e}" for name, value in solution.uncertainty)
     about = [
         f"{printable(scenario.name)}: {printable(scenario.title)}",
@@ -108,6 +119,11 @@ def describe(
     ----------
     at : times of the states, s; if empty, `QUARTERS` times from the start to the end of the window
     sensitivities : whether the derivatives of the motion are included
+
+    Raises
+    ------
+    Complaint
+        If a time is negative, not finite or too late, or the motion cannot be solved.
     """
     for time in at:
         if not 0 <= time < float("inf"):

@@ -48,7 +48,11 @@ def _effects() -> str:
 
 
 def new_scene(name: str) -> Path:
-    """Write a scene to edit, NAME.toml, into the current folder; return its path."""
+    """Write a scene to edit, NAME.toml, into the current folder; return its path.
+
+    `name` may end with ".toml". A `Complaint` is raised if it is no name of a scene, or the file
+    exists already.
+    """
     name = name.removesuffix(".toml")
     if not is_scene_name(name):
         raise Complaint(

@@ -138,10 +138,12 @@ def export(
 
 
 def _inline(value: object) -> str:
+    """Return a value as text in one line, as JSON unless it is a text."""
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
 def _scenario(name: str) -> Any:
+    """Return the only scene that a name stands for; see `one_scene`."""
     from ..named_scenes import one_scene
 
     return one_scene(name)

@@ -27,7 +27,8 @@ COLUMNS = {
 def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
     """Return the `Sensitivity` of a motion at its times as a dictionary, for JSON.
 
-    Arrays are lists; the entry `rows` tells the meaning of their rows.
+    Arrays are lists; the entry `rows` tells the meaning of their rows. A `Complaint` is raised if
+    the derivatives cannot be computed.
     """
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         found = sensitivity(scenario, motion)
@@ -39,6 +40,7 @@ def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
 
 
 def _listed(record: Any) -> dict[str, Any]:
+    """Return a record with lists in place of arrays."""
     return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in record.items()}
 
 

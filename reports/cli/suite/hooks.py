@@ -76,6 +76,7 @@ class EngineSubject(Subject):
         self._verdicts: dict[str, Verdict] = {}
 
     def _verdict(self, name: str) -> Verdict:
+        """Return the verdict on a scene; the method is run at the first call for it only."""
         if name not in self._verdicts:
             scenario, prepared = _scene(name), _prepared(name)
             study = convergence_study_of(scenario, self.engine, self.method, prepared)
@@ -99,6 +100,12 @@ class RecordedSubject(Subject):
         self.name, self.about = self.folder.name, str(self.folder)
 
     def _verdict(self, name: str) -> Verdict:
+        """Return the verdict on a scene's motions.
+
+        It fails the test if a file cannot be read, and skips it if there are fewer than
+        `FEWEST_FILES`. A mistake in reading that explains the finest motion makes the verdict
+        `disagrees`.
+        """
         files = sorted(
             file for file in (self.folder / name).glob("*") if file.suffix.lower() in READERS
         )
@@ -122,11 +129,13 @@ class RecordedSubject(Subject):
 
 @cache
 def _scene(name: str) -> Scenario:
+    """Return one of the suite's scenes, by its name."""
     return load(SCENES / f"{name}.toml")
 
 
 @cache
 def _prepared(name: str) -> Prepared:
+    """Return the exact motion of one of the suite's scenes, for ladders of `MOST_STEPS` steps."""
     return prepare(_scene(name), (), MOST_STEPS).for_verdicts()
 
 
@@ -151,6 +160,10 @@ def subjects(names: list[str]) -> Iterator[Subject]:
 
 
 def _engines(name: str) -> tuple[Engine, ...]:
+    """Return the engines that a value of `--spincheck-engine` names.
+
+    It raises `pytest.UsageError` if there are none.
+    """
     try:
         return choose([name], [], []).engines
     except Complaint as error:
@@ -247,4 +260,5 @@ class SuiteHooks:
 
 
 def _is_of_suite(item: pytest.Item) -> TypeGuard[pytest.Function]:
+    """Whether a test is one of the suite."""
     return isinstance(item, pytest.Function) and item.path.resolve().parent == _FOLDER

@@ -83,7 +83,10 @@ class Defects:
 
 
 def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defects | None:
-    """Return the defects of a run; None if it has one sample only, or turns too far.
+    """Return the defects of a run.
+
+    It is None if the run has one sample only, turns too far, or cannot be followed by the exact
+    flow.
 
     Parameters
     ----------
@@ -103,6 +106,9 @@ def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defect
 
 def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: bool) -> Row:
     """Return the row of a run with its defects, and the attitude error that a turn adds.
+
+    A row without motion or errors, or of a run whose defects cannot be computed, is returned as it
+    is.
 
     Parameters
     ----------
@@ -129,7 +135,7 @@ def turns_made(motion: Trajectory) -> FloatArray:
 
 @lru_cache(maxsize=RECENT)
 def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
-    """Return the largest defects of the exact motion, which only rounding makes."""
+    """Return the largest defects of the exact motion, by rounding; at least `LEAST_ROUNDING`."""
     of_exact = _series(scenario, exact, exact).worst()
     return Errors(**{name: max(value, LEAST_ROUNDING) for name, value in of_exact})
 

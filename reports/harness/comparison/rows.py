@@ -40,9 +40,14 @@ def row_of(
 ) -> Row:
     """Return the row of a run, compared with the exact motion at the run's own sample times.
 
+    Its outcome is `failed` if the call failed, `diverged` if the energy error exceeds
+    `ABSURD_ENERGY`, else the run's own. Only an `ok` run has errors, and one without samples is not
+    compared.
+
     Parameters
     ----------
     version : the engine's version, if the run's call has failed
+    solution : the exact motion at the samples of the rung
     """
     if isinstance(result, CallFailed):
         return Row(key, version, rung.timestep, "failed", result.reason, result.cause)
@@ -109,7 +114,10 @@ def compared(
 
 
 def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | CallFailed:
-    """Return the run, marked if single steps do not obey the scene's equations of motion."""
+    """Return the run, marked if single steps do not obey the scene's equations of motion.
+
+    A cause that the run has itself is kept; a failed call is returned as it is.
+    """
     if isinstance(run, CallFailed) or not (steps and steps.fault):
         return run
     reason = "; ".join(filter(None, (run.reason, fault_in_words(steps.fault))))
@@ -119,7 +127,9 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
 def unmet_expectations(
     scenario: Scenario, expected: Expect, row: Row, exact: Trajectory
 ) -> list[str]:
-    """Return a scene's unmet expectations of one run, as `WHAT at TIMESTEP: the actual value`.
+    """Return a scene's unmet expectations of a run, as `WHAT at TIMESTEP: the actual value`.
+
+    A run without errors has one unmet expectation, with all bounds, unless it was to diverge.
 
     Parameters
     ----------
@@ -145,13 +155,13 @@ def unmet_expectations(
 
 
 def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: float) -> str:
-    """Return in words the time from which on a bound is exceeded; empty if it is not known."""
+    """Return in words since when a signal exceeds a bound; empty if the time is not known."""
     first = series.first_beyond(name, bound) if series else None
     return "" if first is None else f" from t = {exact.t[first]:.4g} s on"
 
 
 def _in_unit(name: str, size: float) -> str:
-    """Return an error in words: `0.705° (0.0123 rad)`, with the unit of scenes, or `1e-06`."""
+    """Return an error of a signal in words: `0.705° (0.0123 rad)` of an angle, else `1e-06`."""
     if SIGNAL[name].unit == "rad":
         return f"{size * SIGNAL[name].shown:.3g}° ({size:.3g} rad)"
     return f"{size:.3g}"
@@ -203,6 +213,8 @@ def _signals(
 def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -> Iterator[str]:
     """Yield a complaint if a signal that is zero at rest is no better than rest.
 
+    There is none if the exact signal is zero throughout.
+
     Parameters
     ----------
     name : name of the signal
@@ -220,6 +232,7 @@ def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -
 
 
 def _words(name: str, ratio: float, since: float) -> str:
+    """Return a complaint about a signal: the ratio of its error to its size, and since when, s."""
     return f"{name} is off by {ratio:.2g} times its size, from t = {since:.3g} s on"
 
 

@@ -29,6 +29,10 @@ def with_all_left_in(
 
     Of an engine's methods that leave out the same passes, these are the first method and one of the
     highest order, which reports recommend. Each comes with its engine, varied to leave nothing out.
+
+    Parameters
+    ----------
+    pairs : the methods that are timed, with their engines
     """
     alike: dict[tuple[str, tuple[str, ...]], list[EngineMethod]] = {}
     for engine, method in pairs:
@@ -55,6 +59,11 @@ def motions_apart(
     -------
     The time, s, up to which the motions were compared, and the largest difference of any component
     of their states, SI; None if not even the first comparison was reached
+
+    Raises
+    ------
+    EngineError
+        If the engine fails and the machine is to blame. Any other failure ends the comparison.
     """
     method, steps = engine.method(name), _number_of_steps(scenario)
     timestep, largest = scenario.window.duration / steps, 0.0
@@ -82,7 +91,7 @@ def _number_of_steps(scenario: Scenario) -> int:
 
 
 def _state_after(session: Session, steps: int) -> FloatArray:
-    """Return all components of the state after some steps, (13 + rotors,)."""
+    """Advance a session by some steps; return all components of its state, SI, (13 + rotors,)."""
     session.advance(steps)
     session.check()
     return np.concatenate(list(vars(session.read_state()).values()))

@@ -75,6 +75,10 @@ def measure(
     If a method crashes or hangs the process, the methods are timed one by one, no longer
     interleaved, so that only the cost of that method is missing.
 
+    Parameters
+    ----------
+    pairs : the methods to time, with their engines
+
     Returns
     -------
     The costs, None for each that is missing, and complaints in words.
@@ -110,6 +114,11 @@ def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCo
     ----------
     pairs : engines and their methods; the ratio of a varied engine's cost to that of the unvaried
         engine is measured if both are among them
+
+    Raises
+    ------
+    EngineError
+        If an engine fails and the machine is to blame.
     """
     timestep = timed_timestep(scenario)
     timed = interleaved(
@@ -140,6 +149,11 @@ def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[TimingSa
     Parameters
     ----------
     openings : functions that open the sessions
+
+    Raises
+    ------
+    EngineError
+        If an engine fails and the machine is to blame.
     """
     with ExitStack() as stack:
         timed = [_Timed(stack, opening) for opening in openings]
@@ -164,7 +178,10 @@ class _Timed:
         self.attempt(self.open)
 
     def attempt(self, action: Callable[[], None]) -> None:
-        """Call an action that the engine may refuse; if it does, its times are discarded."""
+        """Call an action that the engine may refuse, unless it has refused one before.
+
+        If it refuses, all times are discarded; an error that the machine is to blame for is raised.
+        """
         if self.gave_up:
             return
         try:
@@ -202,7 +219,10 @@ class _Timed:
         self.stretches.append(self._stretch(self.steps))
 
     def check(self) -> None:
-        """Check that the timed steps are valid; clamped steps are, as they cost the same."""
+        """Raise `EngineError` unless the timed steps are valid and the state is finite.
+
+        Clamped steps are valid, as they cost the same.
+        """
         try:
             self.session.check()
         except EngineError as error:
@@ -213,9 +233,11 @@ class _Timed:
             raise EngineError("the state is no longer finite")
 
     def _seconds(self, steps: int) -> float:
+        """Return the CPU time of a stretch of some steps, s, the shortest of `TRIALS`."""
         return min(self._stretch(steps).cpu * steps for _ in range(TRIALS))
 
     def _stretch(self, steps: int) -> TimingSample:
+        """Time a number of steps; return the times per step."""
         cpu, wall = self.session.timed(steps)
         return TimingSample(cpu / steps, wall / steps)
 
@@ -240,7 +262,7 @@ def resolution() -> float:
 
 
 def _cost(stretches: Sequence[TimingSample], plain: Sequence[TimingSample]) -> StepCost | None:
-    """Return the cost of a step, given the timed stretches.
+    """Return the cost of a step, given the timed stretches; None if there are none.
 
     Parameters
     ----------

@@ -41,6 +41,7 @@ def time_scene(
 def _time_scene(
     scene: SceneLeft, choice: Choice, store: Store, executor: Executor
 ) -> Sequence[str]:
+    """Do as `time_scene` does; return complaints, or raise `TimingRefused`."""
     scenario = scene.scenario
     verdicts = {verdict.key: verdict for verdict in settled_verdicts(scenario, choice, store)}
     pairs = [

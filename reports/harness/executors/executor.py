@@ -76,7 +76,8 @@ class Executor(ABC):
     ) -> Answer[T]:
         """Call a function in a process that imports modules from a folder first.
 
-        This is for an engine at another version; few executors support it.
+        This is for an engine at another version. An executor that cannot do it answers
+        `CallFailed`, with the cause `refused`.
 
         Parameters
         ----------
@@ -109,7 +110,7 @@ class Executor(ABC):
 
         A task is a function that runs in this process and makes calls by this executor; `width`
         tasks run at once. Tasks are taken from the iterable as threads become free. An exception in
-        one task stops all others.
+        one task stops all others, and is raised.
         """
         if self.width == 1:
             yield from (task() for task in tasks)

@@ -75,6 +75,13 @@ class LocalWorkers(Executor):
             slot.end()
 
     def _slot(self, site: str) -> WorkerSlot:
+        """Return this thread's slot for a site, which is made if there is none yet.
+
+        Raises
+        ------
+        ExecutorStopped
+            If a slot must be made and the executor was stopped.
+        """
         slots: dict[str, WorkerSlot] = self._of_thread.__dict__.setdefault("slots", {})
         if site not in slots:
             with self._changing:

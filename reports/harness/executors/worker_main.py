@@ -79,6 +79,7 @@ def receive(stream: IO[bytes]) -> bytes:
 
 
 def _read(stream: IO[bytes], length: int) -> bytes:
+    """Read `length` bytes; raise `EOFError` if the stream ends before."""
     parts = bytearray()
     while len(parts) < length:
         part = stream.read(length - len(parts))

@@ -118,6 +118,7 @@ class WorkerProcess:
         return wait_for_answer(self._has_answered, self._of_system, limit)
 
     def _has_answered(self, seconds: float) -> bool:
+        """Whether an answer, or None at the end of the process, comes within some seconds."""
         try:
             self._answer = self._answers.get(timeout=seconds)
         except Empty:
@@ -125,7 +126,9 @@ class WorkerProcess:
         return True
 
     def take(self) -> tuple[bool, Any, Cause]:
-        """Return the answer: (True, value, cause) if the call returned, else (False, error, cause).
+        """Return the answer: (True, value, cause) if the call returned, else (False, why, cause).
+
+        `why` is the error in words.
 
         Raises
         ------
@@ -201,6 +204,7 @@ def _on_windows() -> tuple[str, dict[str, str]]:
 
 
 def _raw(stream: Any) -> IO[bytes]:
+    """Return a stream of the process, which is a pipe."""
     assert stream is not None, "all three streams are pipes"
     pipe: IO[bytes] = stream
     return pipe

@@ -42,6 +42,8 @@ class WorkerSlot:
     def call(self, call: Callable[[], Any]) -> Answer[Any]:
         """Make a call and return its answer; arguments and value are pickled.
 
+        A call whose worker is killed from outside is made again, up to `ATTEMPTS` times in all.
+
         Raises
         ------
         ExecutorStopped
@@ -77,6 +79,7 @@ class WorkerSlot:
                 self._worker = None
 
     def _attempt(self, request: bytes) -> Answer[Any]:
+        """Make a pickled call once; the answer is `CallFailed` if anything prevents it."""
         try:
             worker = self._ready()
         except OSError as error:
@@ -114,17 +117,20 @@ class WorkerSlot:
             return self._worker
 
     def _given_up(self, worker: WorkerProcess, overdue: Overdue) -> Answer[Any]:
+        """Return the answer of a call that exceeded its limit, and end its worker."""
         self._forget(worker)
         printed = worker.printed()
         reason = f"{_OVERDUE}{overdue.words}{last_line(printed)}"
         return Answer(CallFailed(reason, overdue.cause), printed)
 
     def _died(self, worker: WorkerProcess) -> Answer[Any]:
+        """Return the answer of a call whose worker has died."""
         how, cause = death(self._forget(worker))
         printed = worker.printed()
         return Answer(CallFailed(f"{_WORKER} {how}{last_line(printed)}", cause), printed)
 
     def _forget(self, worker: WorkerProcess) -> int:
+        """End a worker, which is then replaced at the next call; return its exit code."""
         with self._changing:
             self._worker = None
             return worker.end()
@@ -143,7 +149,8 @@ def is_environmental(cause: str) -> bool:
 def cause_of_unsolved(failure: CallFailed) -> Cause:
     """Return the cause of a run that was not made because the exact motion could not be found.
 
-    A solver that was killed, by any signal, is to be tried again: no engine is involved.
+    It is that of the failure if the machine is to blame, `killed` if the solver crashed, as no
+    engine is involved and it may be tried again, and else `unsolved`.
     """
     if failure.cause in ENVIRONMENTAL:
         return failure.cause
@@ -159,7 +166,8 @@ def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -
     Parameters
     ----------
     cause, reason : why the call failed, in a word and in a sentence
-    time_limit : CPU time that a call may take now, s; None if time is not limited
+    time_limit : CPU time that a call may take now, s; if None, a call that was stopped does not
+        count
     """
     if is_environmental(cause):
         return True

@@ -63,6 +63,7 @@ def _body(tensor: FloatArray) -> dict[str, Any]:
 
 
 def _of_kinematics() -> Iterator[Change]:
+    """Changes of how the attitude follows from ω."""
     yield set_to("wrong side", kinematics=WORLD)
     yield set_to("wrong side, no ½", kinematics=WORLD, turning=2 * np.eye(3))
     yield set_to("wrong side, reversed", kinematics=WORLD, turning=-np.eye(3))
@@ -85,6 +86,7 @@ def _of_kinematics() -> Iterator[Change]:
 
 
 def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Changes of the gyroscopic torque ω × Gω, and of the axes that the tensors are along."""
     inertia, of_com = e.inertia, np.array(scenario.body.inertia_com)
     yield set_to("gyroscopic", (1.0,), gyroscopic=0 * inertia, kept=0 * e.kept)
     if scenario.constraint.is_pivot:
@@ -118,7 +120,7 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
 
 
 def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that fit the tensor of inertia, or of a free body the tensor up to a factor."""
+    """Changes that fit the tensor of inertia or a part of it, the com, or the lever."""
     moments, axes = np.linalg.eigh(e.inertia)
     size, how = mean_moment(e), "" if is_scaled(e) else UP_TO_A_FACTOR
     if is_scaled(e):
@@ -133,6 +135,7 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
 
 
 def _scaled_tensor(h: Hypothesis, n: FloatArray) -> Hypothesis:
+    """Return a hypothesis with the tensor of inertia times 1 + n[0]."""
     return h.of_tensor((1 + n[0]) * h.equations.inertia)
 
 
@@ -149,6 +152,7 @@ def _with_entry(e: OtherEquations, at: int) -> Change:
 
 
 def _rotated_tensor(h: Hypothesis, turn: FloatArray) -> Hypothesis:
+    """Return a hypothesis with the tensor turned by a rotation vector, rad, (3,)."""
     R = Rotation.from_rotvec(turn).as_matrix()
     return h.of_tensor(R @ h.equations.inertia @ R.T)
 
@@ -170,6 +174,7 @@ def _with_trace(
     ----------
     nominal : the tensor without the change, kg m², (3, 3)
     apply : puts the changed tensor into a hypothesis
+    kind : as in `Change`
     """
     entries = tensor_entries(nominal)
 

@@ -27,7 +27,7 @@ POWERS = 1.0, -1.0
 
 
 def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes of gravity, drag and torques."""
+    """Changes of gravity, drag and torques; `e` has the scene's own equations."""
     # The recorded rotation of a free body does not show gravity, but an engine's steps do.
     if e.gravity_world.any():
         yield from factors("gravity's size", 0.0, -1.0, gravity_world=e.gravity_world)
@@ -60,6 +60,7 @@ def torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _additional_torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Changes that add a constant torque, N m, along body axes or along world axes."""
     size = usual_torque(scenario, e)
     for kind, name in (
         ("torque along body axes", "torque"),
@@ -69,6 +70,7 @@ def _additional_torques(scenario: Scenario, e: OtherEquations) -> Iterator[Chang
 
 
 def _scaled_torques(e: OtherEquations) -> Iterator[Change]:
+    """Changes that scale the constant torques of a scene; none if it has no such torques."""
     if e.torque.any() or e.torque_world.any():
         terms_of_torque: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
         yield from factors("torque's size", 0.0, -1.0, **terms_of_torque)
@@ -134,10 +136,12 @@ def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _with_torque(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
+    """Return a hypothesis with a torque, N m, (3,), added to the term `name` of its equations."""
     return h.of(**{name: getattr(h.equations, name) + torque})
 
 
 def _with_drag(h: Hypothesis, c: float, a: float = 0.0, b: float = 0.0) -> Hypothesis:
+    """Return a hypothesis with c, a and b added to `OtherEquations.slowing`."""
     return h.of(slowing=h.equations.slowing + np.array([c, a, b]))
 
 
@@ -186,7 +190,7 @@ def tilt(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_momentum(e: OtherEquations) -> Iterator[Change]:
-    """Changes that scale the rotors' angular momentum."""
+    """Changes that scale the rotors' angular momentum; none if there is none."""
     if e.kept.any():
         yield from factors("momentum", 0.0, -1.0, kept=e.kept)
 
@@ -258,6 +262,7 @@ def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
     Parameters
     ----------
     size : scale of the stiffness, N m/rad
+    q_rest_wxyz : the attitude of rest, scalar first, (4,)
     """
     R_rest = matrix(q_rest_wxyz)
     return Change(
@@ -318,5 +323,5 @@ def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
 
 
 def _fastest(scenario: Scenario, e: OtherEquations) -> float:
-    """The rate at which the scene's state changes, or |ω| at its start, rad/s."""
+    """The rate at which the scene's state changes, or |ω| at its start, rad/s; 1 if both are 0."""
     return e.rate or float(np.linalg.norm(scenario.start.omega_body)) or 1.0

@@ -235,7 +235,13 @@ class Trial:
         return self._fit_from(x)
 
     def _least_squares(self, x: FloatArray, tolerance: float, evaluations: int) -> Any:
-        """The result of `scipy.optimize.least_squares`, started from scaled parameters, (k,)."""
+        """The result of `scipy.optimize.least_squares`, started from scaled parameters, (k,).
+
+        Parameters
+        ----------
+        tolerance : of scaled parameters, at which the fit ends
+        evaluations : how often residuals are computed at most
+        """
 
         # The residuals of all finite differences are computed at once, which takes less time.
         @lru_cache(1)

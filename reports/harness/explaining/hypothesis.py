@@ -88,6 +88,7 @@ def set_to(kind: str, shown: Sequence[float] = (), **terms: Any) -> Change:
     ----------
     shown : the numbers that the words of the change state
     terms : the values, by the names of the terms
+    kind : as in `Change`
     """
     return Change(kind, lambda h, _: h.of(**terms), np.empty(0), lambda _: shown)
 
@@ -105,6 +106,7 @@ def fitted(
     nominal : the numbers without the change, (k,)
     scale : scale of the deviations, in the unit of the numbers
     apply : puts the changed numbers into a hypothesis
+    kind : as in `Change`
     """
     scales = np.broadcast_to(scale, nominal.shape).astype(float)
     return Change(kind, lambda h, n: apply(h, nominal + n), scales, lambda n: nominal + n)
@@ -118,6 +120,7 @@ def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -
     wholes : the given factors
     sign : sign of the number in the change's words if the factor is larger than one
     terms : the nominal values, by the names of the terms
+    kind : as in `Change`
     """
     for whole in wholes:
         multiplied: Any = {name: whole * term for name, term in terms.items()}

@@ -84,7 +84,10 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
 
 
 def is_of_a_body(tensor: FloatArray) -> bool:
-    """Whether a rigid body can have a tensor, (3, 3): no moment exceeds the sum of the others."""
+    """Whether a rigid body can have a tensor, (3, 3).
+
+    All moments must be positive, and none may exceed the sum of the others by more than `SLACK`.
+    """
     least, middle, largest = np.linalg.eigvalsh(tensor)
     return bool(least > 0 and largest <= least + middle + SLACK * largest)
 

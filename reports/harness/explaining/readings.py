@@ -29,7 +29,7 @@ def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanati
 
 
 def _largest_deviation(read: State, exact: State) -> float:
-    """The largest error of attitude, rad, or of ω, relative to its largest component."""
+    """The largest error of attitude, rad, or of ω, relative to its largest exact component."""
     turn = rotation_vectors(exact.q_world_body_wxyz, read.q_world_body_wxyz)
     change = (read.omega_body - exact.omega_body) / (np.abs(exact.omega_body).max() or 1.0)
     return float(np.abs([turn, change]).max())
@@ -40,6 +40,7 @@ def _with_q(state: State, q_wxyz: FloatArray) -> State:
 
 
 def _with_omega(state: State, as_read: Callable[[FloatArray, FloatArray], FloatArray]) -> State:
+    """Return states whose ω `as_read` computes from the attitudes, (n, 3, 3), and ω, (n, 3)."""
     omega = as_read(matrices(state.q_world_body_wxyz), state.omega_body)
     return replace(state, omega_body=omega)
 

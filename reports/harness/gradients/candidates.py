@@ -252,7 +252,12 @@ class _Rates:
         self.exact = self._derivative("")
 
     def without(self, name: str) -> FloatArray:
-        """Return the error of the derivative of dx/dt if a term is not differentiated, (6, 6)."""
+        """Return the error of the derivative of dx/dt if a term is not differentiated, (6, 6).
+
+        Parameters
+        ----------
+        name : name of the term, one of `TERMS`, or of a factor of the gyroscopic torque, ω or I ω
+        """
         return self._whole(self._derivative(name) - self.exact)
 
     def without_turn(self, first: int) -> FloatArray:

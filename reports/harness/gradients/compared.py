@@ -125,7 +125,12 @@ class MethodStudy:
         return [*own, *(name + THROUGH for name, one in own.items() if one.through), OURS]
 
     def row(self, called: str) -> GradientRow:
-        """Judge a derivative, given its name, and return its row."""
+        """Judge a derivative, given its name, and return its row.
+
+        Parameters
+        ----------
+        called : one of `names`
+        """
         began, name = time.perf_counter(), called.removesuffix(THROUGH)
         if called == OURS:
             row = self._own_row(self._settled if self._gives_way else self._single)
@@ -238,7 +243,13 @@ class MethodStudy:
         return row
 
     def _row(self, derivative: str, one: Judged) -> GradientRow:
-        """Return a row with a verdict, and without costs and window."""
+        """Return a row with a verdict, and without costs and window.
+
+        Parameters
+        ----------
+        derivative : the derivative's name in the row
+        one : the verdict
+        """
         names = self.sessions.scenario.name, self.engine.name, self.method.name, derivative
         return GradientRow(*names, one, timestep=self.timestep)
 
@@ -247,6 +258,11 @@ class MethodStudy:
 
         The Jacobians have the shape (J, K, 6, 6). If the engine's have another, a sentence that
         says so is returned in their place.
+
+        Parameters
+        ----------
+        name : the engine's name for the derivative
+        target : the Jacobians to compare with, whose states, timesteps and steps are used
         """
         states, jacobians, is_step = self.at.states, np.empty_like(target.exact.jacobians), True
         for j, k in np.ndindex(jacobians.shape[:2]):
@@ -262,7 +278,12 @@ class MethodStudy:
         return jacobians, is_step
 
     def _jacobian(self, session: Session, name: str) -> FloatArray:
-        """Return the Jacobian of the next step of a window, in units, (6, 6)."""
+        """Return the Jacobian of the next step of a window, in units, (6, 6).
+
+        Parameters
+        ----------
+        name : the engine's name for the derivative
+        """
         found = np.asarray(session.derivatives()[name].compute(), dtype=float)
         if len(found) != CHART:
             omega_body = session.read_state().omega_body
@@ -270,7 +291,7 @@ class MethodStudy:
         return self.units.of(found)
 
     def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
-        """Return a row, completed by gradients along a run.
+        """Return a row, completed by gradients along a run; the reason says why if there are none.
 
         Parameters
         ----------

@@ -174,6 +174,7 @@ def own_jacobians(
     ----------
     timesteps : s, (J,)
     steps : number of steps that each Jacobian covers
+    units : units of the changes by which the differences are taken
     """
     found, finer = (
         np.array(
@@ -203,6 +204,7 @@ def settled_jacobians(
     ----------
     settling : two numbers of earlier steps, ascending; the Jacobians with the second are returned,
         and their difference from those with the first bounds their error
+    timesteps : s, (J,)
     """
     found = np.empty((len(settling), len(timesteps), len(states.omega_body), CHART, CHART))
     exact = np.empty(found.shape[1:])

@@ -58,7 +58,10 @@ def gradient_by(
 
 
 def offered(scenario: Scenario, engine: Engine, method_name: str) -> list[str]:
-    """Return the names of the derivatives that can be judged, spincheck's own, `OURS`, last."""
+    """Return the names of the derivatives that can be judged, `OURS` last.
+
+    `OURS`, spincheck's own differences, is the only one if the engine cannot be opened.
+    """
     try:
         with _study(scenario, engine, method_name, None, None) as study:
             return study.names()

@@ -167,6 +167,11 @@ def _tail(series: list[GainSeries]) -> float:
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:
-    """Return the limits of gains as matrices with the rows and columns of Jacobians, (K, 6, 6)."""
+    """Return the limits of gains as matrices with the rows and columns of Jacobians, (K, 6, 6).
+
+    Parameters
+    ----------
+    series : the series of attitude and of ω, as `_series` returns them
+    """
     rows = np.concatenate([one.limit for one in series], axis=1)
     return np.swapaxes(rows.reshape(-1, CHART, CHART), 1, 2)

@@ -252,4 +252,5 @@ def _slopes(equations: Equations, state: State, target: FloatArray) -> list[Floa
 
 
 def _norm(vector: FloatArray) -> float:
+    """Return the norm of a vector, or the least normal double in place of zero, to divide by it."""
     return float(np.linalg.norm(vector)) or float(np.finfo(float).tiny)

@@ -13,6 +13,8 @@ HIGH_ORDER = 4
 def is_down(records: Records) -> bool:
     """Whether the ladder ends with its last row: no finer rung is needed, or none can succeed.
 
+    It also ends if a finer rung would take more than about `DECIDED_STEPS` steps.
+
     Parameters
     ----------
     records : with at least one row of the ladder

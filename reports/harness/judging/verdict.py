@@ -16,7 +16,11 @@ from .records import Records
 
 
 def judge(records: Records) -> Verdict:
-    """Judge a method by its records, and compare the verdict with the scene's expected failures."""
+    """Judge a method by its records, and compare the verdict with the scene's expected failures.
+
+    A verdict `unresolved` becomes `unsupported` if rounding of the body's moments changes its
+    angular acceleration by more than `CONSISTENT`.
+    """
     word, quoted = _judged(records)
     if word == "unresolved" and records.rounding > CONSISTENT:
         precision = "single" if records.is_single else "double"

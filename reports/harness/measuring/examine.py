@@ -56,7 +56,7 @@ def examine(
 
     Returns
     -------
-    None if no session of the method can be opened at the states
+    None if the method does not support the scene, or the engine refuses a state or a step
     """
     with suppress(EngineError):
         return _examine_or_raise(
@@ -69,7 +69,8 @@ def examine(
 def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
     """How single steps violate a scene's equations of motion, in words; empty if they do not.
 
-    The words are also empty for an engine as shipped, which need not obey these equations.
+    If steps cannot be taken, the words say so. They are empty for a method that does not support
+    the scene, and for an engine as shipped, which need not obey these equations.
     """
     if method.as_shipped:
         return ""
@@ -85,6 +86,8 @@ def _examine_or_raise(
     engine: Engine, scenario: Scenario, method: Method, at: Places, *, explains: bool = True
 ) -> StepEvidence | None:
     """Examine a method from exact states; None if it does not support the scene or the states.
+
+    The parameters are as in `examine`.
 
     Raises
     ------
@@ -125,6 +128,7 @@ class _Examination:
 
     @property
     def _repeats(self) -> Sequence[int]:
+        """Numbers of repeats of each state that are tried in turn; 1 alone in double precision."""
         return REPEATS if self.sessions.engine.single_precision else (1,)
 
     @property
@@ -199,6 +203,10 @@ class _Examination:
         solver, up to `CONSISTENT` of the largest terms: the residual of a solver is not larger. In
         double precision the longest timesteps are left out, as the body turns by many radians while
         a constraint settles.
+
+        Parameters
+        ----------
+        repeats : number of repeats of each state
         """
         halved = self.at.timesteps[0 if self.sessions.engine.single_precision else FINER :]
         look, further = (
@@ -253,6 +261,7 @@ class _Examination:
         return Look(equations, steps, gains, noise, settle, is_single, split, apart)
 
     def _states(self, repeats: int, *, is_changed: bool = False) -> State:
+        """Return the states, R K for R repeats; changed at random if R > 1 or `is_changed`."""
         if repeats == 1 and not is_changed:
             return self.at.states
         return self.at.changed(self.sessions.scenario, NUDGE * self.sessions.engine.ulp, repeats)

@@ -95,7 +95,12 @@ class Gains(Data):
         return np.asarray(np.mean(each, axis=0))
 
     def _rates(self, hypothesis: Hypothesis, omega: FloatArray) -> FloatArray:
-        """The angular velocity, rad/s, and ω', rad/s², of each state, body axes, (R K, 6)."""
+        """The angular velocity, rad/s, and ω', rad/s², of each state, body axes, (R K, 6).
+
+        Parameters
+        ----------
+        omega : ω of the states, without the mistakes of reading it, rad/s, body axes, (R K, 3)
+        """
         e, usual = hypothesis.equations, self.base.equations.kept
         # The rotors' momentum depends on the state, so that its value at the start cannot be used.
         factor = float(e.kept @ usual / (usual @ usual)) if usual.any() else 0.0

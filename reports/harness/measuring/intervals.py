@@ -86,7 +86,7 @@ class Intervals:
         return stacked(ends)
 
     def parts_of(self, kept: Sequence[int] | NDArray[np.intp]) -> NDArray[np.int64]:
-        """Numbers of steps before and after the restart in each of k given intervals, (k, 2)."""
+        """Numbers of steps before and after the restart in intervals of given indices, (k, 2)."""
         first = self.parts[kept]
         return np.stack([first, self.steps[kept] - first], axis=1)
 
@@ -248,7 +248,10 @@ def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
 
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
-    """Indices of the samples at which intervals begin and end: first, last, and random ones."""
+    """Indices of the samples at which intervals begin and end: first, last, and random ones.
+
+    There are `INTERVALS` intervals at most, or `FEW` if sessions cannot restart.
+    """
     most = INTERVALS if can_restart else FEW
     count = min(most, max(1, 2 * (samples - 1) // 3))
     chance = np.random.default_rng(samples)

@@ -26,7 +26,8 @@ from .steps import FEW, Sessions, state_differences
 def explained_by_memory(replay: Replay, settled: int) -> ReplayEvidence:
     """Return the evidence of a replay, without a fault if a memory that vanishes explains it.
 
-    The intervals in which the run differs the most are run again, from a state of the run some
+    Evidence without a fault, or of replays that differ from each other, is returned as it is. Else
+    the intervals in which the run differs the most are run again, from a state of the run some
     steps earlier: once without a restart, and once with the restarts of the replay. Two conditions
     are checked:
 

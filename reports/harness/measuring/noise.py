@@ -191,4 +191,5 @@ def _largest_rotor_momentum(equations: Equations, states: State) -> FloatArray:
 
 
 def _largest_moment(equations: Equations) -> float:
+    """The largest principal moment of inertia about the fixed point, kg m²."""
     return float(np.linalg.norm(equations.scenario.inertia, 2))

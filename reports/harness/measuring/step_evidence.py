@@ -69,6 +69,7 @@ def _order_shown(look: Look, declared: int) -> int:
 
 
 def _curves(look: Look) -> list[GainCurve]:
+    """The gains of each quantity by timestep, of the state with the smallest tail, for storage."""
     curves = []
     for q, (quantity, series) in enumerate(zip(QUANTITIES, look.series, strict=False)):
         if not look.gains[:, :, q].any():

@@ -83,6 +83,7 @@ class Sessions:
         return before, batch.snapshots(places)
 
     def _single_step(self, state: State, timestep: float, settle: int) -> tuple[Any, Any]:
+        """Return snapshots before and after a step from one state, as `single_steps` does."""
         with self.at(state, timestep) as session:
             if settle:
                 session.advance(settle)

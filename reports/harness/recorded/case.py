@@ -91,8 +91,9 @@ class Case:
 
         Returns
         -------
-        None if the exact motion is not known at its times, or if ω was not recorded and its
-        attitudes are too far apart to compute it
+        None if the exact motion is not known at its times, if it has negative times, or fewer
+        samples and other times, or if ω was not recorded and its attitudes are too far apart to
+        compute it
         """
         t = self.reading.t
         kept = np.flatnonzero(np.isin(t, reading.t))
@@ -188,7 +189,7 @@ class Case:
         Returns
         -------
         None if ω was not recorded, if the first sample is later than the scene's start, or if the
-        exact motion from there is not known
+        exact motion from there is not known or no valid scene
         """
         if not self.has_omega or self.exact.t[0]:
             return None

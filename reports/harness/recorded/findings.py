@@ -87,7 +87,10 @@ def _odd_samples(case: Case) -> Shown | None:
 
 
 def _of_mistakes(case: Case) -> Finding | None:
-    """Return mistakes in recording, and the case without them; None if none is found."""
+    """Return mistakes in recording, and the case without them; None if none is found.
+
+    None are looked for once more than `MOST_UNDONE` have been undone.
+    """
     reading, scenario = case.reading, case.scenario
     if case.undone > MOST_UNDONE:
         return None

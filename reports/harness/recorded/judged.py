@@ -142,7 +142,8 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     ------
     RecordingError
         If the timestep is longer than the samples are apart, the times go on after the exact motion
-        is known, or ω is missing and cannot be computed from the attitudes.
+        is known, ω is missing and cannot be computed from the attitudes, or spins are not of as
+        many rotors as the scene has.
     """
     stated = recording.settings.get("timestep")
     timestep = None if stated is None else float(stated)

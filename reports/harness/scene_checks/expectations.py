@@ -13,6 +13,7 @@ def unknown_expectations(scenarios: Iterable[Scenario]) -> list[str]:
 
 
 def _unknown(scenario: Scenario) -> Iterator[str]:
+    """Yield the complaints about one scene; engines that are not installed are known, too."""
     if not (scenario.document.expect or scenario.document.known):
         # Engines are only looked for if a scene has expectations, because finding them imports
         # them.
@@ -28,6 +29,7 @@ def _unknown(scenario: Scenario) -> Iterator[str]:
 
 
 def _complaint(scenario: Scenario, table: str, index: int, key: str, names: list[str]) -> str:
+    """Return a complaint about a key of a table in an array, given the names that it may have."""
     line = line_of(scenario.text, (table, index, key))
     where = printable(str(scenario.path or scenario.name))
     got = getattr(getattr(scenario.document, table)[index], key)

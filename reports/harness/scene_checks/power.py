@@ -14,8 +14,9 @@ from ....scenarios.scenario import with_tables
 def powerless(scenario: Scenario) -> Iterator[str]:
     """Yield a sentence for each effect that can be left out without a change of any signal.
 
-    A change counts if it exceeds the uncertainty of the exact motion. Another sentence says so if
-    the exact motion ends before the window.
+    A change counts if it exceeds twice the uncertainty of the exact motion. Constraints are not
+    left out, nor effects without which the motion cannot be found. Another sentence says so if the
+    exact motion ends before the window.
 
     Raises
     ------
@@ -48,10 +49,12 @@ def powerless(scenario: Scenario) -> Iterator[str]:
 
 
 def _without(scenario: Scenario, effect: Effect) -> Scenario:
+    """Return the scene without an effect."""
     if effect.is_part:
         return with_tables(scenario, **{effect.table: None})
     return with_tables(scenario, effects=scenario.effects.model_copy(update={effect.table: None}))
 
 
 def _is_within_uncertainty(moved: Errors, uncertainty: Errors, signals: Iterable[Signal]) -> bool:
+    """Whether no signal moves by more than two uncertainties."""
     return all(moved[signal.name] <= 2 * uncertainty[signal.name] for signal in signals)

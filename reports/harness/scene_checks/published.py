@@ -34,7 +34,7 @@ class PublishedValue:
 
     @property
     def difference(self) -> float:
-        """The largest difference of a component, SI."""
+        """The largest difference of a component that was printed, SI."""
         return float(np.nanmax(np.abs(self.ours - self.printed)))
 
     @property
@@ -73,6 +73,7 @@ def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
 
 
 def _omega_world(_: Scenario, motion: Trajectory) -> FloatArray:
+    """Return ω along world axes, rad/s, (n, 3)."""
     return motion.to_world(motion.omega_body)
 
 

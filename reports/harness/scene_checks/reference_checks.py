@@ -17,7 +17,13 @@ TELLING = 1e-2
 
 
 def complaints(scenario: Scenario) -> Iterator[str]:
-    """Yield complaints about a scene's reference, one sentence each; none if it passes."""
+    """Yield complaints about a scene's reference, one sentence each; none if it passes.
+
+    Raises
+    ------
+    IntegrationError
+        If the exact motion cannot be found.
+    """
     solution = solve(scenario, scenario.times)
     yield from drifting(scenario, solution)
     yield from _cross_check(scenario, solution)

@@ -68,6 +68,7 @@ def stock_runs_of(
 
 
 def _refused_if_long(run: StockRun) -> StockRun:
+    """Return a run, refused if it takes more steps than `QUICK_STEPS`."""
     if run.rung is None or run.rung.steps <= QUICK_STEPS:
         return run
     return StockRun(
@@ -96,7 +97,12 @@ def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
 
 
 def _refusal(timestep: float, rate: float, horizon: float) -> str:
-    """Return in words why a run with this timestep is not made; empty if it is made."""
+    """Return in words why a run with this timestep is not made; empty if it is made.
+
+    Parameters
+    ----------
+    rate, horizon : fastest rate, rad/s, and end, s, of the motion
+    """
     turn, steps = timestep * rate, horizon / timestep
     if turn > LARGEST_TURN:
         return (
@@ -114,5 +120,6 @@ def _refusal(timestep: float, rate: float, horizon: float) -> str:
 
 
 def _too_few(timestep: float, duration: float) -> str:
+    """Return in words that a motion of some duration, s, takes too few steps."""
     steps = math.floor(duration / timestep)
     return f"at {timestep:.4g} s the {duration:.3g} s of motion are {steps} steps, too few to judge"

@@ -140,6 +140,7 @@ def device_by(executor: Executor, engine: Engine, name: str) -> str:
 
 
 def _refused(engine: Engine, name: str) -> str:
+    """Return why an engine cannot step on a device, in words; empty if it can."""
     try:
         engine.use_device(name)
     except UnsupportedError as error:
@@ -269,7 +270,12 @@ class _Study:
         return [1 << k for k in range(last.bit_length()) if 1 << k < last] + [last]
 
     def _alone(self, ends: Sequence[int]) -> _Motion:
-        """Run the world in a session of its own, as if it were at every place."""
+        """Run the world in a session of its own, as if it were at every place.
+
+        Parameters
+        ----------
+        ends : numbers of steps after which the world is compared
+        """
         snapshots: list[object] = []
         self.session.record(np.diff(ends, prepend=0).tolist(), snapshots.append)
         return _Motion(ends, [[one] * len(self._places) for one in snapshots])
@@ -278,7 +284,13 @@ class _Study:
 def _difference(
     first: _Motion, second: _Motion, states: Callable[[Sequence[object]], State], ulp: float
 ) -> Apart | None:
-    """Return the largest difference of two motions at any place; None if all bits agree."""
+    """Return the largest difference of two motions at any place; None if all bits agree.
+
+    Parameters
+    ----------
+    states : returns the states of snapshots
+    ulp : relative spacing of the engine's numbers
+    """
     same = [
         np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True)
         for a, b in zip(first.snapshots, second.snapshots, strict=True)
@@ -312,7 +324,12 @@ def _degrees(first: State, second: State) -> float:
 
 
 def _mujoco(scenario: Scenario, method: Method, timestep: float) -> tuple[str, float]:
-    """Return a MuJoCo method of similar order, and the wall time of its step on one core, s."""
+    """Return a MuJoCo method of similar order, and the wall time of its step on one core, s.
+
+    Parameters
+    ----------
+    timestep : s
+    """
     mujoco = engines()["mujoco"]
     by = mujoco.method("RK4" if method.order > 1 else "Euler")
     with mujoco.open(scenario, by, timestep) as session:

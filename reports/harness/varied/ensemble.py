@@ -63,7 +63,10 @@ class EnsemblePlan:
 
 
 def plan_ensemble(ensemble: Ensemble, base: Scenario, choice: Choice, store: Store) -> EnsemblePlan:
-    """Store the definition of an ensemble, and determine which results are missing."""
+    """Store the definition of an ensemble, and determine which results are missing.
+
+    If `Choice.again` is set, stored results do not count.
+    """
     store.rest_on(tuple(fingerprints(base, choice.engines)))
     store.put_environment(environment(choice.engines))
     store.put_methods(choice.engines)
@@ -88,7 +91,12 @@ def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[Engi
 def run_ensemble(
     plan: EnsemblePlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run the missing points of an ensemble, and store the results of each as soon as it is run."""
+    """Run the missing points of an ensemble, and store the results of each as soon as it is run.
+
+    Parameters
+    ----------
+    progress : called with each point that has been run, in words
+    """
     if plan.missing:
         compile_side_by_side(executor)
     tasks = (partial(study_point, left, base, store, executor) for left in plan.left())
@@ -126,4 +134,5 @@ def _rows(
 
 
 def _failed(left: PointLeft, base: Scenario, pair: EngineMethod, failure: CallFailed) -> Row:
+    """Return the row of a method whose call at a point has failed."""
     return not_run(base, left.point, pair, "failed", failure.cause, failure.reason)

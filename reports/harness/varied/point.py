@@ -23,11 +23,13 @@ Solved = dict[float, Solution] | str
 def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod]) -> list[Row]:
     """Run methods at a point of an ensemble, and return one row for each method.
 
-    Without methods the exact motion is still solved, and there are no rows.
+    Without methods the exact motion is still solved, and there are no rows. If the point has no
+    valid scene, or a timestep does not fit it, all rows are `unsupported`.
 
     Parameters
     ----------
     base : the scene that is varied
+    pairs : engines and methods
     """
     try:
         scenario = scene_at(point, base)
@@ -54,7 +56,12 @@ def not_run(
     cause: Cause,
     why: str,
 ) -> Row:
-    """Return the row of a method that was not run at a point, or whose call has failed."""
+    """Return the row of a method that was not run at a point, or whose call has failed.
+
+    Parameters
+    ----------
+    outcome, cause, why : how it ended: in the words of rows, and in a sentence
+    """
     engine, method = pair
     key, timestep = Key(base.name, engine.name, method.name), _timestep(base, point, engine)
     varied = variation(point.varied)
@@ -81,13 +88,17 @@ def _no_scene(error: ValueError) -> str:
 
 
 def _within_budget(rung: Rung | str) -> Rung | str:
+    """Return a rung, or in words why it is not run: it may take too many steps."""
     if isinstance(rung, Rung) and rung.steps > STEP_BUDGET:
         return f"it takes {rung.steps} steps, and a point may take {STEP_BUDGET}"
     return rung
 
 
 def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
-    """Return the exact motion at the samples of all timesteps, or why it is not known."""
+    """Return the exact motion by timestep, s, at the samples, or in words why it is not known.
+
+    An error that the machine is to blame for is raised.
+    """
     times = {rung.timestep: rung.times for rung in rungs}
     if not times:
         return {}
@@ -103,6 +114,7 @@ def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
 def _row(
     scenario: Scenario, point: EnsemblePoint, pair: EngineMethod, rung: Rung, solved: Solved
 ) -> Row:
+    """Run a method at a point, and return its row, without motion and defects."""
     if isinstance(solved, str):
         return not_run(scenario, point, pair, "failed", "unsolved", solved)
     engine, method = pair

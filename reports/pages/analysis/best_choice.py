@@ -57,8 +57,9 @@ class Candidate:
 def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
     """Return each method's timestep and cost within all error bounds, the cheapest first.
 
+    Methods for which a bound is out of reach come last, and so do those whose steps were not timed.
     Engines as shipped are left out, since they may simulate something else than the scene, and so
-    are methods that load users' model files.
+    are methods that load users' model files. The scene must have been solved.
     """
     offered = [runs for runs in scene.methods if runs.is_recommendable]
     offers = [_candidate(scene, runs, bounds) for runs in offered]
@@ -66,7 +67,14 @@ def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
 
 
 def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the candidates that cost as much as the first, within the spread of its timings."""
+    """Return the candidates that cost as much as the first, within the spread of its timings.
+
+    The first itself is left out. There are none if the first has no cost.
+
+    Parameters
+    ----------
+    candidates : at least one, the cheapest first
+    """
     best, *others = candidates
     if best.cost is None:
         return []
@@ -75,7 +83,10 @@ def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candidate:
-    """Return a method with its longest timestep within every bound, or a bound out of reach."""
+    """Return a method with its longest timestep within every bound, or a bound out of reach.
+
+    Timestep and cost are None if a bound is out of reach, or no step was timed.
+    """
     curves = {signal: curve_of(scene, runs, signal) for signal in bounds}
     reached = {signal: reach(curves[signal], bound) for signal, bound in bounds.items()}
     timesteps = {
@@ -104,7 +115,7 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candi
 def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
     """Return the timestep, s, below which a method's errors of attitude or ω grow by rounding.
 
-    None is returned if no run shows that.
+    It is the longer of the two, and None if no run shows that or the scene could not be solved.
     """
     if scene.solved is None:
         return None
@@ -206,7 +217,10 @@ def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
 
 
 def nothing_because(scene: SceneRuns) -> str:
-    """Return why nothing is recommended on a scene, in a sentence."""
+    """Return why nothing is recommended on a scene, in a sentence.
+
+    There must be no best choice on the scene.
+    """
     reason = steady(scene.solved, BOUNDS) if scene.solved else "its exact motion is not known"
     return f"Nothing is recommended: {reason or 'no method converges on this scene'}."
 

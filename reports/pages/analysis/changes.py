@@ -99,7 +99,10 @@ def _edited(name: str, old: Results, new: Results) -> bool:
 
 
 def _scenes(old: Results, new: Results, edited: set[str]) -> Iterator[Change]:
-    """Yield a change for each scene that is in one file only, or was edited."""
+    """Yield a change for each scene that is in one file only, or was edited.
+
+    `edited` are the names of the latter.
+    """
     before, after = ({key.scenario for key in _by_key(r)} for r in (old, new))
     for name in sorted(before ^ after):
         yield Change("scene", name, *_presence(name in before), scenario=name)
@@ -117,6 +120,7 @@ def _methods(old: Results, new: Results) -> Iterator[Change]:
 
 
 def _presence(before: bool) -> tuple[str | None, str | None]:
+    """Return old and new value of what is in one file only: the old one if `before` is set."""
     return ("there", None) if before else (None, "there")
 
 
@@ -136,7 +140,10 @@ def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Chang
 
 
 def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Yield a change for each expectation that was met in one file and is unmet in the other."""
+    """Yield a change for each expectation that was met in one file and is unmet in the other.
+
+    Nothing is yielded unless both files have a verdict.
+    """
     if old is None or new is None:
         return
     unmet = [
@@ -149,7 +156,10 @@ def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterato
 
 
 def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
-    """Yield changes of outcomes and errors at the timesteps that are in both files."""
+    """Yield changes of outcomes and errors at the timesteps that are in both files.
+
+    Errors are compared if both runs are ok and the scene was solved in both files.
+    """
     old_rows, new_rows = ({row.timestep: row for row in runs.rows} for _, runs in (old, new))
     for timestep in sorted(old_rows.keys() & new_rows.keys(), reverse=True):
         before, after = old_rows[timestep], new_rows[timestep]
@@ -162,7 +172,14 @@ def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
 def _errors(
     old: Row, new: Row, old_noise: Mapping[str, float], new_noise: Mapping[str, float]
 ) -> Iterator[Change]:
-    """Yield a change for each signal in which the errors of two runs differ beyond noise."""
+    """Yield a change for each signal in which the errors of two runs differ beyond noise.
+
+    They must differ by `ERROR_FACTOR`, too; see `_has_changed`.
+
+    Parameters
+    ----------
+    old_noise, new_noise : noise of the errors of each run, by signal
+    """
     if old.errors is None or new.errors is None:
         return
     # Older files have no errors of spins.
@@ -185,7 +202,9 @@ def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
 
 
 def _has_changed(old: float, new: float, noise: float) -> bool:
-    """Return whether an error has changed; large errors at too coarse timesteps never count.
+    """Return whether an error has changed, by more than noise and by `ERROR_FACTOR`.
+
+    Large errors at too coarse timesteps never count as changed.
 
     Parameters
     ----------
@@ -252,6 +271,9 @@ def _judged(
     worse: bool,
     timestep: float | None = None,
 ) -> Change:
-    """Return a change for the worse, which counts as a regression, or for the better."""
+    """Return a change for the worse, which counts as a regression, or for the better.
+
+    `worse` says which; `timestep` is in s, None for a change that is not of one timestep.
+    """
     direction: Direction = "worse" if worse else "better"
     return Change(kind, name, old, new, direction, worse, **asdict(key), timestep=timestep)

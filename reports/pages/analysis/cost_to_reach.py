@@ -90,6 +90,10 @@ def reach(curve: Curve, level: float) -> Reach:
     timestep is interpolated between two runs, or extrapolated below the finest. An interpolated one
     is on the safe side: the error is assumed to be the finer run's times (dt ratio)^p, where p is
     the steeper of the slopes on either side of that run.
+
+    Parameters
+    ----------
+    level : the error, in the unit of the curve's errors
     """
     if curve.points and level < curve.uncertainty:
         reason = f"the reference itself is known to {curve.uncertainty:.1e}"
@@ -112,7 +116,8 @@ def reach(curve: Curve, level: float) -> Reach:
 def _first_within(curve: Curve, level: float) -> int | None:
     """Return the index of the coarsest stable run within an error that no finer run exceeds.
 
-    A finer run may exceed it if rounding explains that, since only coarser runs can be better.
+    A finer run may exceed it if rounding explains that, since only coarser runs can be better. None
+    is returned if there is no such run.
     """
     errors = [point.error for point in curve.stable]
     finest = curve.least.timestep if curve.least else 0.0

@@ -45,8 +45,10 @@ class _Aggregate:
         self._values: list[float] = []
 
     def step(self, value: float | None) -> None:
+        """Take the next value; NULL is None."""
         if value is not None:
             self._values.append(value)
 
     def finalize(self) -> float | None:
+        """Return the statistic of the values; None if there are none."""
         return self._of(self._values) if self._values else None

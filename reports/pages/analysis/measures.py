@@ -75,7 +75,7 @@ class Members:
 
     @property
     def finished(self) -> tuple[Row, ...]:
-        """The runs that finished."""
+        """The runs that finished, all of which have errors."""
         return tuple(point for point in self.points if point.errors is not None)
 
     def errors(self, measure: Measure) -> FloatArray:

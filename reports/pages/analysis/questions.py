@@ -73,6 +73,7 @@ def _filled(gathered: ReportData) -> Tables:
 
 
 def _names(key: Key) -> tuple[str, str, str]:
+    """Return scene, engine and method of a key."""
     return key.scenario, key.engine, key.method
 
 

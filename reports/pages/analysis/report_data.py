@@ -73,7 +73,10 @@ class MethodRuns(OfMethod):
 
     @cached_property
     def finest(self) -> Row | None:
-        """The finest run that ended well; if none did, the finest with any samples, or None."""
+        """The finest run that ended well, of those whose samples are kept.
+
+        If none ended well, it is the finest of those; None if there are none.
+        """
         finished = [row for row in self.sampled if row.outcome == "ok"]
         return next(iter([*(finished or self.sampled)][-1:]), None)
 
@@ -147,12 +150,18 @@ class SceneRuns:
         return self.fastest_rate * self.end / (2 * math.pi)
 
     def outline(self, end: float, samples: int) -> Trajectory:
-        """Return the exact motion up to a time, s, at evenly spread times."""
+        """Return the exact motion up to a time, s, at evenly spread times from 0 on.
+
+        `samples` is the number of these times.
+        """
         return ExactMotion(self.exact.scenario).outline(np.linspace(0.0, end, samples))
 
     @cached_property
     def compared(self) -> tuple["Compared", ...]:
-        """The runs to draw, each with the exact motion at its own sample times."""
+        """The runs to draw, each with the exact motion at its own sample times.
+
+        There are none if the scene could not be solved.
+        """
         if self.solved is None:
             return ()
         scenario = self.solved.scenario
@@ -179,6 +188,7 @@ class SceneRuns:
 
     @cached_property
     def _solved_at(self) -> dict[bytes, Trajectory]:
+        """Exact motions at the times of runs so far, by the bytes of the times."""
         return {}
 
     def uncertainty(self, row: Row) -> Errors:

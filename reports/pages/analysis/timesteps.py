@@ -56,7 +56,10 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
 
 
 def in_words(survived: Survival | None) -> tuple[str, str]:
-    """Return a survived timestep, s, and its turn, rad a step, as text for two columns."""
+    """Return a survived timestep, s, and its turn, rad a step, as text for two columns.
+
+    Both are `NOTHING` for None; a bound from below begins with "≥".
+    """
     if survived is None:
         return NOTHING, NOTHING
     if survived.timestep is None:

@@ -24,7 +24,10 @@ _MINUS = "−"
 
 
 def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
-    """Return a number with three significant digits: 12.3, 4.56×10⁻⁷, ∞; `NOTHING` for None."""
+    """Return a number with some significant digits: 12.3, 4.56×10⁻⁷, ∞; `NOTHING` for None.
+
+    NaN is "undefined"; `digits` is the number of digits, three by default.
+    """
     if value is None:
         return NOTHING
     if math.isnan(value):
@@ -58,7 +61,7 @@ def power_of_ten(exponent: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a timestep as text: 2 ms, 1/240 s, 65.1 µs, 0.5 s."""
+    """Return a timestep, s, as text: 2 ms, 1/240 s, 65.1 µs, 0.5 s."""
     per_second = round(1 / seconds) if seconds else 0
     if per_second in RATES and math.isclose(seconds * per_second, 1.0):
         return f"1/{per_second} s"
@@ -68,7 +71,7 @@ def duration(seconds: float) -> str:
 
 
 def span(timesteps: Sequence[float]) -> str:
-    """Return the shortest and the longest of several timesteps as text: 2 ms to 0.1 s."""
+    """Return the shortest and the longest of several timesteps, s, as text: 2 ms to 0.1 s."""
     return " to ".join(dict.fromkeys(map(duration, (min(timesteps), max(timesteps)))))
 
 
@@ -80,7 +83,7 @@ def rounded_down(seconds: float) -> float:
 
 
 def typed(seconds: float) -> str:
-    """Return a timestep as people write it in a program: 0.002, 1/240."""
+    """Return a timestep, s, as people write it in a program: 0.002, 1/240."""
     shown = duration(seconds)
     return shown.removesuffix(" s") if shown.startswith("1/") else repr(seconds)
 
@@ -96,7 +99,10 @@ def count(value: int) -> str:
 
 
 def limited(error: float | None, uncertainty: float) -> str:
-    """Return an error as text; "≤ uncertainty" if the reference is not known any better."""
+    """Return an error as text; "≤ uncertainty" if the reference is not known any better.
+
+    Both are in the unit that is shown; an error of None is `NOTHING`.
+    """
     if error is None or not error <= uncertainty:
         return number(error)
     return f"≤ {number(uncertainty)}"

@@ -95,7 +95,8 @@ class Curve(OfMethod):
         """The least-squares slope of log error against log timestep over the finest usable runs.
 
         Runs are usable whose error is in the asymptotic range, and above round-off and the
-        reference's uncertainty. If there are too few, it is the order of the verdict.
+        reference's uncertainty. If there are too few, it is the order of the verdict, which may be
+        None.
         """
         timesteps = np.array([point.timestep for point in self.stable])
         errors = np.array([point.error for point in self.stable])
@@ -179,7 +180,10 @@ def slope(coarse: CurvePoint, fine: CurvePoint) -> float:
 
 
 def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:
-    """Return the Pareto front: the runs of curves that are more accurate than all cheaper."""
+    """Return the Pareto front: the timed runs of curves that are more accurate than all cheaper.
+
+    The cheapest is first.
+    """
     timed = [
         (point.cost, point.error, curve, point)
         for curve in drawn
@@ -194,6 +198,7 @@ def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:
 
 
 def _point(scene: SceneRuns, row: Row, signal: str) -> CurvePoint:
+    """Return a run with errors as a point of a curve in a signal."""
     least = max(scene.uncertainty(row)[signal], EPS)
     assert row.errors is not None, "only a run with errors is a point"
     return CurvePoint(row.timestep, cost(row), max(row.errors[signal], least))

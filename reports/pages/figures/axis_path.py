@@ -132,6 +132,7 @@ def _view(semi_axes: FloatArray, towards: FloatArray) -> dict[str, Any]:
 
 
 def _trace(points: FloatArray, **properties: Any) -> Trace:
+    """Return a curve in space through points, (n, 3), with further properties of Plotly's trace."""
     return {
         "type": "scatter3d",
         "x": packed(points[:, 0]),
@@ -196,7 +197,13 @@ def axis_path(scene: SceneRuns) -> list[Figure]:
 
 
 def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
-    """Return a figure of the axis's path seen from above."""
+    """Return a figure of the axis's path seen from above.
+
+    Parameters
+    ----------
+    exact : directions of the axis: two level components and up, (n, 3)
+    R_upright_world : the matrix from world components to these, (3, 3)
+    """
     widest = MARGIN * max(float(np.abs(exact[:, :2]).max()), NARROWEST)
     panel = square(("level component, x", "level component, y", "From above"), widest)
     traces = [start_dot(exact[0, 0], exact[0, 1], 1)]
@@ -204,7 +211,10 @@ def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 
 
 def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
-    """Return a figure of the axis's path as tilt against azimuth, degrees."""
+    """Return a figure of the axis's path as tilt against azimuth, degrees.
+
+    Parameters are those of `_from_above`.
+    """
     azimuth, tilt = _unrolled(exact)
     framed = tilt
     if np.ptp(tilt) < STEADY:
@@ -283,6 +293,7 @@ def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
 
     Parameters
     ----------
+    exact : the exact motion
     R_level_world : rows are axes in the world, of which the third is along L, (3, 3)
     """
     flat = (exact.to_world(exact.omega_body) @ R_level_world.T)[:, :2]
@@ -295,7 +306,7 @@ def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
 
 
 def _frame_about(third: FloatArray) -> FloatArray:
-    """Return a right-handed frame, its axes as rows, with the third axis given, (3, 3)."""
+    """Return a right-handed frame, its axes as rows, (3, 3), given the third, a unit vector."""
     first = np.eye(3)[np.argmin(np.abs(third))]
     first = first - (first @ third) * third
     first /= np.linalg.norm(first)

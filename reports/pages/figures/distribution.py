@@ -58,6 +58,7 @@ def _steps(x: FloatArray, y: FloatArray, label: str, style: TraceStyle, said: st
 
     Parameters
     ----------
+    x, y : where it rises, and the heights that it rises to, (n,) each
     said : text that the page shows where the curve is pointed at
     """
     drawn = method_style(label, style)

@@ -55,7 +55,13 @@ def potential(scenario: Scenario) -> Figure | None:
 def _well(
     top: HeavySymmetricTop, tilts: FloatArray, heights: FloatArray, ends: FloatArray
 ) -> Figure:
-    """Draw V_eff, J, over the tilt, degrees, and E′ between the turning points."""
+    """Return a figure of V_eff over the tilt, and of E′ between the turning points.
+
+    Parameters
+    ----------
+    tilts, heights : tilts, degrees, and V_eff there, J, (n,) each
+    ends : tilts of the turning points, degrees, (2,)
+    """
     energy, lowest = float(top.E_prime), int(np.argmin(heights))
     level, sides = np.full(2, energy), tilts[[0, -1]]
     traces = [

@@ -68,6 +68,7 @@ def work_precision(scene: SceneRuns) -> list[Figure]:
 
 
 def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
+    """Return a figure with further curves, drawn below and above its own."""
     return figure | {"data": [*below, *figure["data"], *above]}
 
 
@@ -111,11 +112,13 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tup
 
 
 def _strip(x_title: str, x_range: Range) -> Panel:
+    """Return the panel for runs without errors, below that of the errors."""
     heading = "Ended without an error to compare"
     return Panel(x_title, "", heading, True, (0.0, 1.0), x_range, domain=STRIP)
 
 
 def _finished(runs: MethodRuns) -> list[Row]:
+    """Return a method's runs that have errors."""
     return [row for row in runs.rows if row.errors]
 
 
@@ -183,11 +186,15 @@ def _curves(
 
 
 def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
+    """Return the abscissas of runs that have one, (n,)."""
     return np.array([abscissa(row) for row in rows], dtype=float)
 
 
 def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArray:
-    """Return the errors of runs as drawn: at least the reference's uncertainty, (n,)."""
+    """Return the errors of runs as drawn, in the figure's unit, (n,); infinite ones are NaN.
+
+    They are at least the reference's uncertainty; runs without errors are left out.
+    """
     errors = [
         max(row.errors[signal.name], scene.uncertainty(row)[signal.name])
         for row in rows
@@ -250,7 +257,12 @@ def _readable(scene: SceneRuns, row: Row, signal: Signal) -> bool:
 
 
 def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: Signal) -> Trace:
-    """Return a dotted line with the slope of an order, below the point `anchor`."""
+    """Return a dotted line with the slope of an order, below a point of a curve.
+
+    Parameters
+    ----------
+    anchor : timestep of the point, s, and its error, before it is converted to the unit shown
+    """
     floor = scene.exact.solution.uncertainty[signal.name]
     taken = [row.timestep for runs in scene.methods for row in runs.rows if row.errors]
     timestep, error = anchor

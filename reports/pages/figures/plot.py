@@ -118,7 +118,7 @@ def layout(panels: Sequence[Panel], height: int) -> dict[str, Any]:
 
 
 def axis_suffix(k: int) -> str:
-    """Return the number of an axis as Plotly writes it: x, x2, x3, …."""
+    """Return the number of an axis as Plotly writes it behind x or y: none for the first."""
     return "" if k == 1 else str(k)
 
 
@@ -188,11 +188,13 @@ def thinned(n: int, most: int = MOST_SAMPLES) -> NDArray[np.intp]:
 
 
 def claimed(errors: FloatArray, floor: float) -> FloatArray:
-    """Return errors as drawn: at least the reference's uncertainty; infinite ones are gaps.
+    """Return errors as drawn: at least the reference's uncertainty; infinite ones are NaN.
+
+    Plotly draws a gap for NaN.
 
     Parameters
     ----------
-    floor : the uncertainty
+    floor : the uncertainty, in the unit of the errors
     """
     raised = np.maximum(errors, floor)
     return np.where(np.isfinite(raised), raised, np.nan)
@@ -221,7 +223,7 @@ def padded(values: FloatArray) -> Range:
 
 
 def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]:
-    """Return the settings of an axis in Plotly."""
+    """Return the settings of an axis in Plotly; `limits` are the least and largest value shown."""
     axis: dict[str, Any] = {
         "title": {"text": title},
         "zeroline": False,
@@ -240,7 +242,10 @@ def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]
 
 
 def _floor_shading(suffix: str, bottom: float, floor: float) -> dict[str, Any]:
-    """Return a grey band from the bottom of a panel up to the uncertainty."""
+    """Return a grey band from the bottom of a panel up to the uncertainty.
+
+    `suffix` is the number of the axes as Plotly writes it.
+    """
     return {
         "type": "rect",
         "layer": "below",

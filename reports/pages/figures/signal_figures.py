@@ -112,8 +112,10 @@ def _component(solved: SceneResult, k: int) -> Figure:
 
 
 def _window(solved: SceneResult) -> Range:
+    """Return the range of times of the exact motion, s."""
     return 0.0, float(solved.solution.trajectory.t[-1])
 
 
 def _errors(curves: list[FloatArray], floor: float) -> Range:
+    """Return the range of an axis of errors as drawn; see `error_range`."""
     return error_range([claimed(curve, floor) for curve in curves], floor)

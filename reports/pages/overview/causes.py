@@ -25,7 +25,8 @@ def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str,
     """Return the engines as shipped that lack the gyroscopic torque, and how many were examined.
 
     Such an engine's ω keeps its direction in space on every scene on which the exact ω turns. With
-    each engine come the largest relative errors of its ω, by scene.
+    each engine come the largest relative errors of its ω, by scene. The scenes are those of free
+    bodies without an effect but gravity.
     """
     lacking: dict[Pair, dict[str, float]] = {}
     has_it: set[Pair] = set()
@@ -95,6 +96,7 @@ _OF_METHOD = "FROM tried WHERE engine = ? AND method = ? AND verdict IS NOT NULL
 
 
 def _counts(kind: VerdictKind) -> bool:
+    """Whether verdicts of a kind are counted among those tried."""
     return kind.needs_reason or kind.word == "converges"
 
 

@@ -100,6 +100,7 @@ def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[
 
 
 def _size(one: Usual) -> tuple[float, float]:
+    """Return a sort key: the median attitude error, and then the largest."""
     return one.middle, one.largest
 
 
@@ -180,6 +181,10 @@ def _others(shipped: Sequence[Usual]) -> list[str]:
     """Return sentences on the engines as shipped that have no column in the table.
 
     They state the range of their errors, and which engines blow up or fail on most scenes.
+
+    Parameters
+    ----------
+    shipped : the runs of these engines at stock timesteps, the smallest error first
     """
     ended = [one for one in shipped if one.middle < math.inf]
     unfinished = ", ".join(one.engine for one in shipped if one not in ended)
@@ -229,8 +234,10 @@ def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]
 
 
 def _degrees(error: float) -> str:
+    """Return an error in degrees as text."""
     return f"{readable(error)}°"
 
 
 def _sentences(parts: Sequence[str]) -> str:
+    """Return sentences, given without their full stops, as one text."""
     return " ".join(f"{part}." for part in parts)

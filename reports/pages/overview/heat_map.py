@@ -40,7 +40,7 @@ def stock_table(gathered: ReportData) -> Table:
 
 
 def _stock_cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
-    """Return a cell with a method's attitude error at its stock timestep."""
+    """Return a cell with a method's attitude error at its stock timestep, `stock`, s."""
     runs = scene.by_pair.get(pair)
     if runs is None:
         return figure(NOTHING)
@@ -52,6 +52,7 @@ def _stock_cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
 
 
 def _best_in_words(scene: SceneRuns) -> str:
+    """Return a scene's best choice with its attitude error as text; `NOTHING` if there is none."""
     best = best_choice(scene)
     if best is None:
         return NOTHING
@@ -153,7 +154,10 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
 
 
 def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float) -> dict[str, Any] | None:
-    """Return the page's data of a method on a scene; None if it was not tried."""
+    """Return the page's data of a method on a scene; None if it was not tried.
+
+    `stock` is the stock timestep of the engine, s.
+    """
     if runs is None:
         return None
     rows = {at: row_at(runs, at, stock) for at in AT}

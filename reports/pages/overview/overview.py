@@ -57,7 +57,8 @@ def headline(gathered: ReportData) -> str:
 def at_stock(gathered: ReportData) -> str:
     """Return, in words, how many runs at stock timesteps are close, of methods that converge.
 
-    A verdict `converges` says nothing about errors at a given timestep.
+    A verdict `converges` says nothing about errors at a given timestep. The text is empty if there
+    are no such runs.
     """
     ((runs, close),) = ask(
         gathered,
@@ -137,6 +138,7 @@ def complaints(
 
 
 def _declared_orders(declared: Method | None) -> str:
+    """Return the declared orders of ω and attitude as text; one number if both are the same."""
     if declared is None:
         return NOTHING
     if declared.order == declared.attitude_order:
@@ -163,6 +165,7 @@ def reason_of(verdict: Verdict) -> str:
 
 
 def _listed(parts: list[str]) -> str:
+    """Return parts of a sentence as a list in words, with "and" before the last."""
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 

@@ -85,9 +85,13 @@ def _of_kind(
 def _shown(points: Sequence[Row], declared: dict[Pair, Method | None]) -> list[Members]:
     """Return the runs of each engine's best method as shipped, and of its best other method.
 
+    The best has the least median error. Methods that differ only in how models are read are left
+    out, unless they are as shipped.
+
     Parameters
     ----------
     points : runs on the members of ensembles
+    declared : what the adapters declared about the methods, as `_declared` returns it
     """
     chosen: dict[tuple[str, bool], Members] = {}
     members = members_of(points, declared)
@@ -107,6 +111,7 @@ def _from_best(one: Members) -> tuple[float, float]:
 
 
 def _row(one: Members) -> list[Cell | str]:
+    """Return a method's quantiles of attitude errors as a row of a table."""
     values = one.quantiles(ATTITUDE)
     assert values is not None, "only methods that were run are shown"
     steps = {point.timestep for point in one.points if point.timestep}

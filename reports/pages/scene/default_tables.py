@@ -59,11 +59,15 @@ def _sentence(measured: DefaultEffects) -> str:
 
 
 def _size(errors: Errors | None) -> float:
+    """Return the error of ω; inf if the run did not finish."""
     return math.inf if errors is None else errors.omega
 
 
 def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
-    """Return cells of errors of attitude, ω and energy, at least the reference's uncertainty."""
+    """Return cells of errors of attitude, ω and energy, at least the reference's uncertainty.
+
+    If `errors` is None, the first says that the run diverged.
+    """
     if errors is None:
         return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]
     uncertainty = scene.exact.solution.uncertainty

@@ -111,7 +111,11 @@ def _body(solved: SceneResult) -> dict[str, Any]:
 
 
 def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
-    """Return a run's motion and errors for the page's script."""
+    """Return a run's motion and errors for the page's script.
+
+    The motion is left out if it looks like the exact one. `fastest` is the largest exact ‖ω‖,
+    rad/s.
+    """
     uncertainty, style = scene.exact.solution.uncertainty, run.runs.style
     attitude = claimed(run.series["attitude"], uncertainty.attitude)
     omega = claimed(run.series["omega"], uncertainty.omega)
@@ -184,7 +188,7 @@ def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
 
 
 def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:
-    """Return the exact motion for the page's script."""
+    """Return the exact motion for the page's script; `fastest` is its largest ‖ω‖, rad/s."""
     samples = np.arange(len(motion.t))
     states = _states(motion, samples, EXACT_STEP, EXACT_OMEGA_STEP * fastest)
     # The times are evenly spread, and need not be carried.
@@ -199,7 +203,7 @@ def _states(
     Parameters
     ----------
     kept : indices of the samples
-    step, omega_step : steps to which quaternions and ω are rounded
+    step, omega_step : steps to which quaternions and ω, rad/s, are rounded
     """
     q = _continuous(motion.q_world_body_wxyz[kept])
     return {

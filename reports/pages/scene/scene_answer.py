@@ -72,7 +72,8 @@ def _is_of_files(scene: SceneRuns) -> bool:
 def shown_at_first(scene: SceneRuns) -> set[str]:
     """Return the labels of the methods shown in figures at first.
 
-    They are the defaults with the smallest errors, and the best choice.
+    They are the `SHOWN_DEFAULTS` defaults with the smallest errors, and the best choice if there is
+    one.
     """
     best = best_choice(scene)
     closest = [runs.label for runs, _ in closest_defaults(scene)[:SHOWN_DEFAULTS]]
@@ -93,7 +94,10 @@ def gains_shown_at_first(scene: SceneRuns) -> set[str]:
 
 
 def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
-    """Return engines as shipped with their runs at stock timesteps, the smallest error first."""
+    """Return engines as shipped with their runs at stock timesteps, the smallest error first.
+
+    Of each method that is the run at the longest stock timestep. Runs without errors come last.
+    """
     shipped = [runs for runs in scene.methods if runs.as_shipped]
     tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
     return sorted(tried, key=lambda one: one[1].errors.attitude if one[1].errors else math.inf)
@@ -148,7 +152,7 @@ def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
 def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
     """Return, in words, the cost of the best choice relative to its engine's default.
 
-    The text is empty if either was not timed.
+    The text is empty if either was not timed, or the default's run is missing or not ok.
     """
     for runs, row in defaults:
         usual = cost(row)
@@ -203,7 +207,13 @@ def _line(
     seen: dict[tuple[Key, float], Compared],
     note: str = "",
 ) -> list[Cell | str]:
-    """Return a run as a row of a table with `HEADINGS`."""
+    """Return a run as a row of a table with `HEADINGS`.
+
+    Parameters
+    ----------
+    seen : the runs that are compared with the exact motion at each sample, by method and timestep
+    note : what is said of the run besides its timestep
+    """
     compared = seen.get((row.key, row.timestep))
     noticed = noticeable_from(compared) if compared else None
     return [
@@ -216,7 +226,10 @@ def _line(
 
 
 def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
-    """Return cells of a run's errors; `noticed` is when it is first 1° off, s."""
+    """Return cells of a run's errors; `noticed` is when it is first 1° off, s.
+
+    It is None if the run never is, or if that is not known.
+    """
     if row.errors is None:
         word = ended(row) if row.made else "not run"
         kind = row.outcome if row.made else "unsupported"
@@ -231,6 +244,7 @@ def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
 
 
 def _capital(text: str) -> str:
+    """Return a method's label with the engine's own spelling of its name, if that is known."""
     names = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
     engine, _, method = text.partition(" ")
     return f"{names.get(engine, engine)} {method}"

@@ -100,6 +100,7 @@ def signals_table(scene: SceneRuns) -> Table:
 
 
 def _declared(runs: MethodRuns, signal: Signal) -> str:
+    """Return the declared order of a signal as text; `NOTHING` if none is known."""
     declared = runs.declared
     if declared is None:
         return NOTHING
@@ -126,7 +127,10 @@ def published_table(scenario: Scenario) -> Table | None:
 
 
 def drifts_table(scene: SceneRuns) -> Table | None:
-    """Return a table of the drifts of each method's finest run; None if nothing is conserved."""
+    """Return a table of the drifts of each method's finest run; None if nothing is conserved.
+
+    Methods whose finest run has no drifts are left out; None is returned if none is left.
+    """
     laws = [invariant.law for invariant in invariants(scene.exact.scenario)]
     shown = [(runs, runs.finest) for runs in scene.methods]
     made = records(
@@ -212,6 +216,7 @@ def _summary(runs: MethodRuns) -> str:
 
 
 def _components(values: FloatArray) -> str:
+    """Return numbers as text, with nine digits each."""
     return ", ".join(f"{value:.9g}" for value in values)
 
 
@@ -239,6 +244,7 @@ def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
 
 
 def _largest_drift(row: Row) -> str:
+    """Return the largest drift of a run and what drifts, as text; `NOTHING` if none is known."""
     if not row.drifts:
         return NOTHING
     name = max(row.drifts, key=lambda law: row.drifts[law] if row.drifts else 0.0)

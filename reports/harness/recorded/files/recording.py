@@ -127,6 +127,7 @@ def factor_of(quantity: Quantity, unit: str | None) -> float:
 
 
 def _column(head: str) -> Column | None:
+    """Return what a heading names; None if nothing. Raise `ColumnError` for an unknown unit."""
     match = _HEAD.match(head)
     if match is None:
         return None
@@ -145,6 +146,7 @@ def _is_number(head: str) -> bool:
 
 
 def _names(quantity: Quantity) -> str:
+    """Return the names of a quantity's columns, in quotes."""
     return ", ".join(f"'{name}'" for name in quantity.columns) or "'spin1', 'spin2', …"
 
 
@@ -246,7 +248,8 @@ def slack_of(q: FloatArray) -> float:
 def check_motion(arrays: dict[str, FloatArray]) -> None:
     """Check that arrays are finite and of equal length, that times increase, and norms are near 1.
 
-    The norms of quaternions may drift slowly.
+    There must be two samples or more, and no negative time. The norms of quaternions may drift
+    slowly.
 
     Raises
     ------

@@ -53,6 +53,11 @@ class Table:
     def add(self, cells: Sequence[Any], where: str) -> None:
         """Add a row.
 
+        Parameters
+        ----------
+        cells : one for each heading
+        where : place of the row in the file, for messages
+
         Raises
         ------
         RecordingError
@@ -111,6 +116,7 @@ def setting(name: str, value: str, line: int | None) -> dict[str, str]:
 
 
 def _number(cell: Any, where: str) -> float:
+    """Return a cell as a finite number; raise `RecordingError`, which names `where`, for others."""
     with suppress(ValueError, TypeError, OverflowError):
         value = float(cell)
         if abs(value) < _LONGEST and not isinstance(cell, bool):
@@ -169,6 +175,7 @@ def read_csv(path: Path) -> Recording:
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
+    """Return the cells of a line; a space as delimiter stands for any white space."""
     if delimiter == " ":
         return line.split()
     return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter))]
@@ -207,6 +214,7 @@ def read_json_lines(path: Path) -> Recording:
 
 
 def _object(line: str, number: int) -> dict[str, Any]:
+    """Return the JSON object in a line, or raise `RecordingError` with its number."""
     with suppress(ValueError, RecursionError):
         record = json.loads(line)
         if isinstance(record, dict):

@@ -93,6 +93,8 @@ class KnownIntegrators:
     ) -> Intervals | None:
         """Return the intervals with the integrator that computed the motion; None if none did.
 
+        It is also None if the exact flow explains the motion as well.
+
         Parameters
         ----------
         each : the intervals with each integrator

@@ -192,7 +192,10 @@ class _Differentials:
         return turning_of(self.states[:, :4], self.of(tree)[:, :4])
 
     def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
-        """Return q' and ω' of states, whose quaternions may have any length, (n, 7)."""
+        """Return q' and ω' of states by the equations of a colour, (n, 7).
+
+        The quaternions of the states may have any length.
+        """
         equations = self.equations[colour]
         kept = np.repeat(equations.kept[None], len(states), axis=0)
         turning, accelerated = np.split(rates(equations, states, kept), 2, axis=1)

@@ -271,9 +271,10 @@ class LogFit:
 
     @property
     def shows_tensor(self) -> bool:
-        """Whether any entry of the tensor is known, beside the changes that the samples require.
+        """Whether no standard error of the tensor's entries exceeds the largest entry.
 
-        A tensor that is fitted may take the place of those changes.
+        It is false if the tensor only takes the place of changes that the samples require, and
+        leaves residuals beyond noise that those changes do not leave.
         """
         if self._is_beyond(self.with_tensor) and not self.is_beyond:
             return False

@@ -82,6 +82,7 @@ class Measured(LogFit):
         return [self._in_words(change) for change in required]
 
     def _in_words(self, change: Change) -> str:
+        """Return a change in words, with its fitted parameters and their standard errors."""
         indices = self.fit.columns(change)
         values, errors = self.fit.parameters[indices], self.fit.errors[indices] * self.inflation
         if change in (*OF_LOGS, CROSS_AXIS):

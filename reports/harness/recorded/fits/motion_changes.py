@@ -86,4 +86,5 @@ def sentences(found: Fit) -> list[str]:
 
 
 def _without_errors(numbers: FloatArray, _: float) -> str:
+    """Return the parameters of a change as text."""
     return vector(numbers.tolist()) if len(numbers) > 1 else f"{numbers[0]:.4g}"

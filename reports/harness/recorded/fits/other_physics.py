@@ -183,7 +183,10 @@ class Physics:
 
     @property
     def least_timestep(self) -> float:
-        """The shortest timestep, s, with which errors of the stated order are as large as found."""
+        """The shortest timestep, s, with which errors of the stated order are as large as found.
+
+        It is 0 if no timestep is stated, or without intervals.
+        """
         if self.intervals is None or self.search is None or self.timestep is None:
             return 0.0
         of_method = float(np.mean(self.intervals.of_method))
@@ -254,7 +257,8 @@ class Physics:
     def off(self) -> FloatArray:
         """The root mean square differences from the exact flow of `base`, (2,).
 
-        They are those of attitude, rad, and ω, rad/s, at the ends of the intervals.
+        They are those of attitude, rad, and ω, rad/s, at the ends of the intervals. Without
+        intervals they are 0.
         """
         if self.intervals is None:
             return np.zeros(2)
@@ -330,7 +334,7 @@ class Physics:
         return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
 
     def _varying(self, changes: Sequence[Change]) -> list[str]:
-        """Return the sentences on a parameter that explains the motion by varying in time."""
+        """Return sentences on a parameter that explains the motion by varying; often none."""
         if self.intervals is None or (self.is_of_method and not self.is_beyond):
             return []
         found = varying(self.intervals, changes, len(changes))

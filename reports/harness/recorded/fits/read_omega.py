@@ -293,7 +293,8 @@ def _filtered(
 ) -> tuple[float, str] | None:
     """Return the linear filter with the fewest parameters that explains the recorded ω.
 
-    Arguments and results are those of `_smoothed`, for a filter in place of a mean.
+    Arguments and results are those of `_smoothed`, for a filter in place of a mean. There is none
+    if samples are not evenly spaced.
     """
     spans = np.diff(t)
     if np.ptp(spans) > EQUAL * spans.mean():

@@ -40,6 +40,8 @@ class Varying(NamedTuple):
 def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying | None:
     """Return the parameter that explains a motion by changing in time; None if none does.
 
+    It is also None if more than `MOST_ALIKE` parameters explain the motion equally well.
+
     Parameters
     ----------
     changes : only those with one parameter are tried
@@ -98,7 +100,7 @@ def _fit(
 
 
 def _residuals(parts: Sequence[Intervals], change: Change, numbers: FloatArray) -> FloatArray:
-    """Return the residuals of each interval with its own parameter, (S, 6)."""
+    """Return the residuals of each interval with its own parameter, of `numbers`, (S, 6)."""
     residuals = [
         part.deviations([change.apply(part.base, parameter[None])])[0]
         for part, parameter in zip(parts, numbers, strict=True)

@@ -22,7 +22,7 @@ TINY = 1e-300
 
 
 def _in_world(states: FloatArray) -> FloatArray:
-    """Return ω along world axes, rad/s, (S, 3)."""
+    """Return ω of states q and ω, (S, 7), along world axes, rad/s, (S, 3)."""
     return turned(matrices(states[:, :4]), states[:, 4:])
 
 
@@ -32,18 +32,18 @@ def _with_omega(states: FloatArray, omega_body: FloatArray) -> FloatArray:
 
 
 def _by_component(states: FloatArray, bound: float) -> FloatArray:
-    """Return states with each component of ω along body axes clamped, (S, 7)."""
+    """Return states, (S, 7), with ω along body axes clamped to ± a bound, rad/s, by components."""
     return _with_omega(states, np.clip(states[:, 4:], -bound, bound))
 
 
 def _by_component_in_world(states: FloatArray, bound: float) -> FloatArray:
-    """Return states with each component of ω along world axes clamped, (S, 7)."""
+    """Return states, (S, 7), with ω along world axes clamped to ± a bound, rad/s, by components."""
     clamped = np.clip(_in_world(states), -bound, bound)
     return _with_omega(states, turned_back(matrices(states[:, :4]), clamped))
 
 
 def _by_norm(states: FloatArray, bound: float) -> FloatArray:
-    """Return states with the norm of ω clamped, (S, 7)."""
+    """Return states with the norm of ω clamped to a bound, rad/s, (S, 7)."""
     speeds = np.maximum(norms(states[:, 4:]), TINY)[:, None]
     return _with_omega(states, states[:, 4:] * np.minimum(1.0, bound / speeds))
 

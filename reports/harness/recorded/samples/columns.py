@@ -73,6 +73,7 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
 
     Parameters
     ----------
+    omega : as in the file, rad/s, (n, 3)
     which, columns : the columns, in words and as a slice
     """
     some = omega[:, columns]

@@ -287,6 +287,10 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Return the finding that ω is exactly zero, though the body turns; None if it never is.
 
     The body turns if both the recorded attitude and the exact motion do.
+
+    Parameters
+    ----------
+    omega : as in the file, rad/s, (n, 3)
     """
     is_zero = ~omega.any(axis=1)
     turned_since = ~numbers.same_q & numbers.should_turn
@@ -337,7 +341,12 @@ def _unit_of_three(q: FloatArray) -> float:
 
 
 def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Return the finding that ω is rounded to less than three digits; None if it is not."""
+    """Return the finding that ω is rounded to less than three digits; None if it is not.
+
+    Parameters
+    ----------
+    omega : as in the file, rad/s, (n, 3)
+    """
     # A constant ω has as few digits as it started with.
     if max(len(np.unique(np.round(column, 9))) for column in omega.T) < FEWEST:
         return None

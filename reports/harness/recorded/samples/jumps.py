@@ -46,7 +46,8 @@ class Jump:
 def jumps(data: Intervals, reach: int) -> list[Jump]:
     """Return the jumps of a motion, the first of each kind, with how many there are in words.
 
-    The list is empty if there is no jump, or if more than a tenth of all intervals have one.
+    Of more than `KINDS_TOLD` kinds the first are returned. The list is empty if there is no jump,
+    or if more than a tenth of all intervals have one.
 
     Parameters
     ----------
@@ -238,6 +239,10 @@ def _jump(data: Intervals, deviations: FloatArray, k: int) -> Jump:
 
 def _time_between(data: Intervals, first: int, last: int) -> float | None:
     """Return the time that the exact flow takes from one interval's start to another's end, s.
+
+    Parameters
+    ----------
+    first, last : indices of the intervals
 
     Returns
     -------

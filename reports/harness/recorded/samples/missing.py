@@ -31,7 +31,10 @@ KEPT = 0.25
 
 
 def dissipated(scenario: Scenario, motion: Trajectory) -> list[str]:
-    """Return that a free body loses energy and keeps its angular momentum, in words, if it does."""
+    """Return the sentence that a free body loses energy and keeps its angular momentum; often none.
+
+    There is none for a body with a lever, a torque, drag, or a momentum of rotors.
+    """
     e = equations_of(scenario)
     if e.pull.any() or e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any():
         return []
@@ -126,6 +129,7 @@ def _rate(data: Intervals) -> str:
 
 
 def _largest(what: str, data: Intervals, missing: FloatArray, unit: str) -> str:
+    """Return in words the largest of missing vectors, (S, 3), of the kind `what`, and its time."""
     k = int(np.argmax(norms(missing)))
     return (
         f"{what} of {norms(missing)[k]:.{DIGITS}g} {unit} at most is missing, at t = "

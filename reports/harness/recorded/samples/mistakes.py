@@ -212,7 +212,10 @@ class _Beginning:
         return self._attitude_errors[key]
 
     def error(self, reading: Reading, enough: float = np.inf) -> float:
-        """Return the largest relative error in attitude, ω and spins; infinite for too long times.
+        """Return the largest relative error in attitude, ω and spins; infinite if unknown.
+
+        It is unknown if the times are so long that the exact motion is not computed, or if it is
+        nan.
 
         Parameters
         ----------
@@ -288,7 +291,10 @@ class _Beginning:
 
 
 def _samples_until(exact: Trajectory, turn: float) -> int:
-    """Return the number of samples until the exact motion has turned by an angle, rad."""
+    """Return the number of samples until the exact motion has turned by an angle, rad.
+
+    It is `FEWEST` + `LEFT_OUT` at least, and may exceed the number of samples.
+    """
     turned = np.cumsum(norms(exact.omega_body)[1:] * np.diff(exact.t))
     return max(FEWEST + LEFT_OUT, int(np.searchsorted(turned, turn)) + 1)
 
@@ -345,6 +351,7 @@ def _factor_of_times(reading: Reading) -> float | None:
 def _of_spins(
     reading: Reading, spins: FloatArray, scenario: Scenario
 ) -> Iterator[tuple[str, Reading]]:
+    """Yield mistakes of the spins, in words, each with the reading corrected for it."""
     yield "the spins have the opposite sign", reading._replace(spins=-spins)
     for words, factor in RATES.items():
         of_spins = words.replace("wx", "spin1").replace("was", "were")
@@ -358,6 +365,7 @@ def _of_spins(
 
 
 def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
+    """Yield mistakes of ω, in words, each with the reading corrected for it."""
     frame: OmegaFrame = "world" if reading.frame == "body" else "body"
     yield f"ω is in {frame} axes (state 'omega = {frame}')", reading._replace(frame=frame)
     yield "ω has the opposite sign", reading._replace(omega=-omega)

@@ -155,7 +155,9 @@ def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
 
 
 def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
-    """Return the finding that times jitter, if the attitude follows ω far better at even times.
+    """Return the finding that times jitter; None if they do not.
+
+    They do if they are uneven, and the attitude follows ω far better at even times.
 
     Parameters
     ----------
@@ -191,7 +193,8 @@ def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
 def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: FloatArray) -> str:
     """Return in words that each state is the exact motion's at another time; empty if one is not.
 
-    The time of each state is found by Newton's method.
+    The time of each state is found by Newton's method. It is also empty if the errors need no
+    explanation, or if less than a tenth of the times between samples differ.
 
     Parameters
     ----------

@@ -107,6 +107,7 @@ def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
+    """Yield the recording with the ω of some samples earlier or later, after its words."""
     for samples in SAMPLES:
         earlier, later = slice(None, -samples), slice(samples, None)
         for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
