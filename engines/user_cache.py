@@ -17,7 +17,7 @@ def user_cache() -> Path:
     Raises
     ------
     PermissionError
-        If other users may write to the folder, since files in it are executed.
+        If it is of another user or all may write to it (`is_own`), since files in it are executed.
     """
     own = "Library/Caches" if sys.platform == "darwin" else ".cache"
     stated = Path(os.environ.get("XDG_CACHE_HOME", ""))

@@ -40,7 +40,7 @@ def digest_of_kernels(package: Path) -> str:
 
 
 def _folder() -> Path | None:
-    """Return a folder for machine code that only this user can write to; None if there is none.
+    """Return a folder of this user for machine code, not writable by all; None if there is none.
 
     It is beside the sources if possible, else in the user's home.
     """

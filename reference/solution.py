@@ -41,9 +41,13 @@ class Solution:
         )
 
     def ends_before(self, duration: float) -> str:
-        """Return a message if the body leaves its table before a window of `duration` s ends.
+        """Return a message that the body leaves its table before a window ends; empty if not.
 
-        It is empty if the body does not.
+        The solution must be that of the window: no time is compared with `duration`.
+
+        Parameters
+        ----------
+        duration : length of the window, s, which the message states
         """
         if not self.lifts_off:
             return ""

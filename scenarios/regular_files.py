@@ -39,7 +39,10 @@ def read_regular(path: Path, limit: int) -> bytes:
 
 
 def is_own(folder: Path) -> bool:
-    """Whether no one but this user and root can write to a folder; true if it does not exist."""
+    """Whether this user or root owns a folder, not writable by all; true if it does not exist.
+
+    Write access of its group, or by access-control lists, is not examined. True on Windows.
+    """
     try:
         found = folder.stat()
     except FileNotFoundError:

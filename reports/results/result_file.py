@@ -216,11 +216,16 @@ def _check_log(path: Path) -> None:
 
 
 def _session(path: Path, options: str) -> str | None:
-    """Return the random name of the run that wrote last; None if it cannot be read.
+    """Return the random name of the run that wrote last; None if it is no result file or damaged.
 
     Parameters
     ----------
-    options : options of SQLite's connection, which say whether the log is ignored
+    options : options of SQLite's connection; by "immutable=1" the write-ahead log is ignored
+
+    Raises
+    ------
+    sqlite3.OperationalError
+        If the file cannot be opened or read for another reason, such as a lock.
     """
     try:
         with _connected(path, options) as connection:

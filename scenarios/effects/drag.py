@@ -29,7 +29,7 @@ def _decay(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    """Yield the coefficient of drag."""
+    """Yield one size, the coefficient of drag, N m s, with its key, name and unit."""
     yield _WHERE, "the drag", mpf(extent.scenario.pushed["drag"]), "N m s"
 
 

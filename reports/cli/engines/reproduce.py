@@ -208,11 +208,11 @@ def _writes(engine: Engine, scenario: Scenario) -> bool:
 
 
 def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:
-    """Return the text after the script, with exact values at some of the times.
+    """Return the code after the script, which compares its run with exact values and prints errors.
 
     Parameters
     ----------
-    solution : the exact motion at the times of the samples
+    solution : the exact motion at the times of the samples, up to `MOST_SAMPLES` of which are used
     steps : numbers of steps up to these times, (n,)
     """
     motion = solution.trajectory

@@ -302,10 +302,11 @@ def linear(trials: Sequence[Trial]) -> list[Linear]:
 def residuals_if_linear(
     data: Data, before: Fit, kept: tuple[Change, ...], others: Sequence[Change]
 ) -> FloatArray:
-    """The residuals of some changes of a fit with each of M other changes, to first order, (M, m).
+    """The residuals after a fit of `kept` and each of M other changes, to first order, (M, m).
 
-    No fit is made, as in the score test (C. R. Rao, Math. Proc. Camb. Philos. Soc. 44 (1948) 50):
-    the changes that are kept keep the derivatives of the earlier fit.
+    They are in units of their standard deviation. No fit is made, as in the score test (C. R. Rao,
+    Math. Proc. Camb. Philos. Soc. 44 (1948) 50): the changes that are kept keep the derivatives of
+    the earlier fit.
 
     Parameters
     ----------

@@ -108,16 +108,20 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """The regression of J gains of K states, for one order and each of R A pairs of the grid.
+    """The regression of gains on powers of the timestep, by one order and R A pairs of a grid.
 
-    A pair is a radius and an amplitude, with amplitudes running fastest. The prior over the pairs
-    is estimated from all states.
+    A gain is the difference of a step from the exact motion, per second: a vector, at J timesteps
+    from K states. A pair is a radius of convergence of the series and an amplitude of its
+    coefficients, with amplitudes running fastest. The prior over the pairs is estimated from all
+    states. The model is described in `gain_series.py`.
 
     Attributes
     ----------
+    measured : the gains, in units of each state's noise, and the amplitudes, (A,)
+    order : lowest power of the timestep in the series
     inverse_radii : the inverse radii of convergence, in units of 1 / longest timestep, (R,)
-    noise : standard deviation of the noise added to the series at each timestep, (R, J); beyond the
-        radius of convergence as large as the largest gain
+    noise : standard deviation of the noise added to the series at each timestep, in the units of
+        `measured`, (R, J); beyond the radius of convergence as large as the largest gain
     basis : the powers of the timestep, zero beyond the radius, (R, J, TERMS)
     has_constant : whether a constant, which may be as large as any gain, is added to the series
     """

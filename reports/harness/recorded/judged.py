@@ -184,7 +184,10 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
 
 def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
-    """Return the drifts of a recorded motion; without recorded spins, not that of the rotors."""
+    """Return the largest relative drift of a recorded motion from each law, by the law's name.
+
+    Without recorded spins, that of the rotors' momenta is left out.
+    """
     found = drifts(scenario, recorded.trajectory)
     if not recorded.has_spins:
         found.pop("rotors_momentum", None)

@@ -13,7 +13,10 @@ def unknown_expectations(scenarios: Iterable[Scenario]) -> list[str]:
 
 
 def _unknown(scenario: Scenario) -> Iterator[str]:
-    """Yield the complaints about one scene; engines that are not installed are known, too."""
+    """Yield a complaint for each expectation of a scene that names an unknown engine or method.
+
+    Engines that are not installed are known, too; their methods are not checked.
+    """
     if not (scenario.document.expect or scenario.document.known):
         # Engines are only looked for if a scene has expectations, because finding them imports
         # them.

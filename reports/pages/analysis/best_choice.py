@@ -189,7 +189,9 @@ def best_choices(scene: SceneRuns) -> list[BestChoice]:
 
 
 def to_type(timestep: float, finest: float | None) -> float:
-    """Return a timestep, s, rounded down to few digits, but not to where errors grow.
+    """Return a timestep, s, rounded down to two digits, or `finest` if that would be passed.
+
+    A timestep that is below `finest` already is rounded all the same.
 
     Parameters
     ----------

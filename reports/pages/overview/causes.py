@@ -59,10 +59,11 @@ COMMON = 0.1
 
 
 def why(gathered: ReportData, one: Usual, harmless: Collection[str]) -> str:
-    """Return why a default has errors: its timestep, or what else it does; empty if not known.
+    """Return, in words, on how many scenes a default converges or does not, and why if known.
 
-    What an engine does by default is a reason only where the method disagrees with the equations of
-    motion: a run that blows up may do so by its integrator alone.
+    Where it disagrees with the equations of motion, what it alters or adds by default follows, if
+    that is known: a run that blows up may do so by its integrator alone. Where it only converges,
+    its errors are its integrator's. The text is empty if there is no verdict but "unsupported".
 
     Parameters
     ----------

@@ -200,12 +200,15 @@ def _others(shipped: Sequence[Usual]) -> list[str]:
 
 
 def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
-    """Return the engine's most accurate other method; None unless its error is much smaller.
+    """Return the engine's most accurate method not as shipped; None unless it is much better.
+
+    It is if its median attitude error is smaller by `MUCH_SMALLER`. Methods that can simulate less
+    than `COVERING` of the scenes that another of these methods can are left out.
 
     Parameters
     ----------
     shipped : the runs of the engine as shipped
-    clean : the runs of all methods not as shipped
+    clean : the runs of all methods not as shipped, of all engines
     """
     own = [one for one in clean if one.engine == shipped.engine]
     most = max((one.scenes for one in own), default=0)
