@@ -64,6 +64,8 @@ CAUSES = {
     "random-123, newton featherstone": "It falls to 36 m from the world's origin, about which the "
     "solver has inertia and torques: what single precision leaves of them there is off so much "
     "(engines-more.md, Newton).",
+    "random-887, newton featherstone": "It falls to 782 m from the world's origin, likewise; with "
+    "the same rotation and no gravity it converges.",
     "random-177, brax generalized": "There the body is 2.0° from the pole of the three hinges that "
     "stand for a ball joint.",
 }
