@@ -1,7 +1,7 @@
 """Single steps of a method from given states, and their gains."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -60,7 +60,7 @@ class Sessions:
     ) -> tuple[Sequence[Any], Sequence[Any]]:
         """Snapshots before and after a step from each of n states.
 
-        Where an engine can, the steps are taken in one batch, which takes much less time.
+        Where an engine can, the steps are taken in one batch, which takes less time.
 
         Parameters
         ----------
@@ -91,21 +91,19 @@ class Sessions:
             session.advance(1)
             return before, session.snapshot()
 
-    def close_batches(self) -> None:
-        """Close the batches that are kept."""
-        for batch in self.batches.values():
-            batch.close()
-
 
 @contextmanager
 def sessions_of(
     engine: Engine, method: Method, scenario: Scenario, timestep: float
 ) -> Iterator[Sessions]:
     """Sessions of a method on a scene, of which the first has the given timestep, s."""
-    with engine.open(scenario, method, timestep) as first, ExitStack() as at_end:
+    with engine.open(scenario, method, timestep) as first:
         sessions = Sessions(engine, method, scenario, first)
-        at_end.callback(sessions.close_batches)
-        yield sessions
+        try:
+            yield sessions
+        finally:
+            for batch in sessions.batches.values():
+                batch.close()
 
 
 @dataclass(frozen=True, eq=False)
