@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from ....scenarios import FloatArray
-from ....scenarios.rotation import norms
 from ...results.evidence import Explanation
 from .changes import FITTED_TENSORS, GYROSCOPIC_TENSOR
 from .hypothesis import Change, Hypothesis
@@ -297,41 +296,6 @@ def linear(trials: Sequence[Trial]) -> list[Linear]:
     residuals = trials[0].data.residuals([one for each in around for one in each])
     parts = np.split(residuals, np.cumsum([len(each) for each in around])[:-1])
     return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]
-
-
-def residuals_if_linear(
-    data: Data, before: Fit, kept: tuple[Change, ...], others: Sequence[Change]
-) -> FloatArray:
-    """The residuals after a fit of `kept` and each of M other changes, to first order, (M, m).
-
-    They are in units of their standard deviation. No fit is made, as in the score test (C. R. Rao,
-    Math. Proc. Camb. Philos. Soc. 44 (1948) 50): the changes that are kept keep the derivatives of
-    the earlier fit.
-
-    Parameters
-    ----------
-    before : the earlier fit
-    kept : the changes of that fit to which each of the others is added
-    """
-    trials = [Trial(data, (*kept, other)) for other in others]
-    around = [
-        trial.around(before, len(one.scales)) for trial, one in zip(trials, others, strict=True)
-    ]
-    residuals = data.residuals([one for each in around for one in each])
-    parts = np.split(residuals, np.cumsum([len(each) for each in around])[:-1])
-    columns = [before.jacobian[:, before.columns(one)] for one in kept]
-    jacobian = np.hstack([np.empty((len(before.residuals), 0)), *columns])
-    basis, sizes, _ = np.linalg.svd(jacobian, full_matrices=False)
-    basis = basis[:, sizes > RANK * sizes.max(initial=0.0)]
-    left = []
-    for part in parts:
-        columns_of_other = (part[1:] - part[0]).T / SMALL
-        rest = part[0] - basis @ (basis.T @ part[0])
-        beside = columns_of_other - basis @ (basis.T @ columns_of_other)
-        # What the kept changes explain as well has no direction of its own.
-        beside *= norms(beside.T) > RANK * norms(columns_of_other.T)
-        left.append(rest - beside @ np.linalg.lstsq(beside, rest, rcond=RANK)[0])
-    return np.array(left)
 
 
 def of_pairs(

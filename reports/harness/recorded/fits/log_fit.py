@@ -15,27 +15,24 @@ from .....reference.following import follow
 from .....scenarios import FloatArray, Scenario
 from .....scenarios.rotation import norms
 from ...explaining.changes import FITTED_TENSORS, tensor
-from ...explaining.effect_changes import (
-    by_attitude,
-    com,
-    dipole,
-    momentum,
-    of_momentum,
-    resistance,
-    resistance_of_other_powers,
-    tilt,
-    torques,
-    usual_torque,
-    world_turning,
-)
+from ...explaining.effect_changes import com, of_momentum, resistance, torques, usual_torque
 from ...explaining.fit import Fit, Trial
 from ...explaining.hypothesis import Change, Hypothesis
-from ...explaining.search import LEFT, SIGNIFICANCE, Search
+from ...explaining.search import LEFT, SIGNIFICANCE
 from ..samples.intervals import apart
 from ..samples.sensors import CROSS_AXIS, OF_LOGS, READINGS
 from .log import Log
 from .motion_changes import TIMES, changes_of_motion
+from .motion_effects import (
+    by_attitude,
+    dipole,
+    momentum,
+    resistance_of_other_powers,
+    tilt,
+    world_turning,
+)
 from .right_by_itself import right_by_itself, uneven_times
+from .stepwise import Stepwise
 
 #: Most changes that are fitted at once, and most parameters of a special change.
 MOST_CHANGES, MOST_PARAMETERS = 4, 3
@@ -107,7 +104,7 @@ class LogFit:
         return [*found, *OF_LOGS, world_turning(1.0)] if self.given.has_omega else found
 
     @cached_property
-    def search(self) -> Search:
+    def search(self) -> Stepwise:
         """The search for changes that the samples require, with the noise before any fit.
 
         Special changes that fit the moments about given axes are left out, as noise may hide that
@@ -119,7 +116,7 @@ class LogFit:
         same = {(one.kind, len(one.scales)) for one in usual}
         special = [one for one in special if (one.kind, len(one.scales)) not in same]
         special = [one for one in special if one.kind not in FITTED_TENSORS]
-        return Search(self.given, [*usual, *special], usual=usual)
+        return Stepwise(self.given, [*usual, *special], usual=usual)
 
     @cached_property
     def found(self) -> Fit:

@@ -6,11 +6,11 @@ from .....reference.other_equations import KEPT_IN_WORLD, inverse
 from .....scenarios import FloatArray, Scenario
 from ....results.change_words import KINDS, vector
 from ...explaining.changes import changes
-from ...explaining.effect_changes import of_attitude, of_rotors
 from ...explaining.fit import Fit
 from ...explaining.hypothesis import Change, Hypothesis, as_it_is
 from ..samples.missing import KINEMATICS
 from ..samples.sensors import FILTERS, READINGS, of_sensor
+from .motion_effects import of_attitude, of_rotors
 
 #: A change that a com on the other side of the pivot amounts to, as the tensor about the pivot is
 #: the same.

@@ -9,7 +9,7 @@ import pytest
 from planted_motions import case
 from spincheck.reports.harness.explaining.fit import Data, Linear, Trial, of_pairs
 from spincheck.reports.harness.explaining.hypothesis import Change, Hypothesis, as_it_is
-from spincheck.reports.harness.explaining.search import Search
+from spincheck.reports.harness.recorded.fits.stepwise import Stepwise
 
 CHANCE = np.random.default_rng(4)
 
@@ -68,8 +68,8 @@ NOISE = np.random.default_rng(2).normal(size=64)
 SQUARES = 0.5 * np.arange(64.0) ** 2
 
 
-def searched(wanted: np.ndarray) -> Search:
-    return Search(Parabola(BASE, wanted), (EVERY, CONSTANT, SLOPE, SQUARE))
+def searched(wanted: np.ndarray) -> Stepwise:
+    return Stepwise(Parabola(BASE, wanted), (EVERY, CONSTANT, SLOPE, SQUARE))
 
 
 def test_the_changes_that_more_and_more_of_the_data_call_for_are_found() -> None:

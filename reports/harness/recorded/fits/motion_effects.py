@@ -1,0 +1,159 @@
+"""Changes of what acts on a body that recorded motions show, and single steps do not need.
+
+They are tried with recorded motions only.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from .....reference.other_equations import OtherEquations, equations_of
+from .....scenarios import FloatArray, Scenario
+from .....scenarios.rotation import matrix
+from .....scenarios.scenario import with_tables
+from ...explaining.effect_changes import drags_law, mean_moment, usual_rate, usual_torque
+from ...explaining.hypothesis import Change, Hypothesis, fitted, set_to
+from ...explaining.other_tensors import tensor_of_entries
+
+#: Powers of ‖ω‖ in the coefficients of quadratic drag and of dry friction.
+POWERS = 1.0, -1.0
+
+
+def resistance_of_other_powers(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Changes that make drag quadratic, or dry friction, with a coefficient that is fitted."""
+    yield from (drags_law(scenario, e, power) for power in POWERS)
+
+
+def tilt(e: OtherEquations) -> Iterator[Change]:
+    """The change of gravity's direction by two angles, rad, if gravity has a torque."""
+    if e.pull.any() and e.gravity_world.any():
+        perpendicular = np.linalg.svd(e.gravity_world[None])[2][1:]
+
+        def tilted(n: FloatArray) -> FloatArray:
+            return Rotation.from_rotvec(n @ perpendicular).apply(e.gravity_world)
+
+        yield Change(
+            "tilt",
+            lambda h, n: h.of(gravity_world=tilted(n)),
+            np.ones(2),
+            lambda n: np.array([np.degrees(np.linalg.norm(n)), *tilted(n)]),
+        )
+
+
+def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Changes that add torques that depend on the attitude, or a rotation of body or world axes.
+
+    Only long motions show them.
+    """
+    rate = usual_rate(scenario, e)
+    size, gravity = usual_torque(scenario, e), e.gravity_world
+    up = -gravity / np.linalg.norm(gravity) if gravity.any() else np.eye(3)[2]
+    yield Change(
+        "gravity gradient",
+        lambda h, n: h.of(gravity_gradient=n[0] * np.outer(up, up)),
+        np.array([rate**2]),
+        lambda n: np.array([n[0], *up]),
+    )
+    yield fitted("turning besides", np.zeros(3), rate, lambda h, n: h.of(body_turns=n))
+    yield world_turning(rate)
+    yield fitted("gravity gradient along other axes", np.zeros(5), rate**2, _gravity_gradient)
+    yield by_attitude(size)
+    yield from (_spring(q, size) for q in (np.eye(4)[0], scenario.start.q_world_body_wxyz))
+
+
+def by_attitude(size: float) -> Change:
+    """The change that adds the torque Σ P eᵢ × Rᵀeᵢ, which depends on the attitude R.
+
+    The matrix P, (3, 3), is fitted.
+
+    Parameters
+    ----------
+    size : scale of the entries of P, N m
+    """
+    return fitted(
+        "torque by attitude",
+        *(np.zeros(9), size),
+        lambda h, n: h.of(attitude_torque=n.reshape(3, 3).copy()),
+    )
+
+
+def dipole(P: FloatArray) -> Change:
+    """The change that adds the torque of a dipole in a field.
+
+    Its five parameters are deviations of the dipole times the field strength, three components,
+    N m, and of the field's direction, two angles, rad, from those of the dipole nearest to P.
+
+    Parameters
+    ----------
+    P : a fitted matrix of torques, as in `by_attitude`, N m, (3, 3)
+    """
+    of_body, scales, of_world = np.linalg.svd(P)
+
+    def dipole_torque(n: FloatArray) -> FloatArray:
+        field = Rotation.from_rotvec(n[3:] @ of_world[1:]).apply(of_world[0])
+        return np.outer(scales[0] * of_body[:, 0] + n[:3], field)
+
+    return Change(
+        "torque by attitude",
+        lambda h, n: h.of(attitude_torque=dipole_torque(n)),
+        np.array([scales[0]] * 3 + [1.0] * 2),
+        lambda n: dipole_torque(n).ravel(),
+    )
+
+
+def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
+    """The change that adds a spring, which turns the body to an attitude of rest.
+
+    Parameters
+    ----------
+    size : scale of the stiffness, N m/rad
+    q_rest_wxyz : the attitude of rest, scalar first, (4,)
+    """
+    R_rest = matrix(q_rest_wxyz)
+    return Change(
+        "spring",
+        lambda h, n: h.of(spring=n[0] * R_rest),
+        np.array([size]),
+        lambda n: [n[0], *q_rest_wxyz],
+    )
+
+
+def world_turning(rate: float) -> Change:
+    """The change in which attitudes drift about a world axis; `rate`, rad/s, is its scale."""
+    return fitted("world turning", np.zeros(3), rate, lambda h, n: h.of(world_turns=n))
+
+
+def _gravity_gradient(h: Hypothesis, n: FloatArray) -> Hypothesis:
+    """Return a hypothesis with a gravity gradient, 1/s², of five entries n besides a zero, (5,).
+
+    A multiple of the identity would have no torque.
+    """
+    return h.of(gravity_gradient=tensor_of_entries([*n[:2], 0.0, *n[2:]]))
+
+
+def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Changes of the rotors' hinges, signs and momentum, which show if spins were not recorded."""
+    tables = scenario.document.rotors or ()
+    for kind in "free", "driven", "locked", "reversed":
+        for which in range(len(tables) + 1):
+            changed = []
+            for k, one in enumerate(tables):
+                hinge, reversed_ = {"hinge": kind}, {"spin": -one.spin}
+                update: dict[str, Any] = reversed_ if kind == "reversed" else hinge
+                changed.append(one.model_copy(update=update) if which in (0, k + 1) else one)
+            if changed != list(tables):
+                other = equations_of(with_tables(scenario, rotors=tuple(changed)))
+                terms = ("inertia", "inverse", "gyroscopic", "kept")
+                yield set_to(
+                    f"{kind} rotors", (which,), **{name: getattr(other, name) for name in terms}
+                )
+    yield momentum(scenario, e)
+
+
+def momentum(scenario: Scenario, e: OtherEquations) -> Change:
+    """The change of the rotors' constant angular momentum, N m s, or of rotors the scene lacks."""
+    size = float(np.linalg.norm(e.kept)) or mean_moment(e) * usual_rate(scenario, e)
+    kind = "rotors' momentum" if e.kept.any() else "momentum besides"
+    return fitted(kind, e.kept, size, lambda h, n: h.of(kept=n))
