@@ -129,7 +129,7 @@ class LogFit:
             found = max(found, other, key=search.score)
         if self._is_beyond(found) and self.given.has_omega and not self.right_by_itself:
             every = replace(search, changes=[*search.changes, CROSS_AXIS])
-            found = max(found, every.from_first_samples(MOST_CHANGES), key=search.score)
+            found = max(found, every.stepwise(found, MOST_CHANGES), key=search.score)
         # It has so many parameters that it explains a part of any motion.
         torque = Trial(self.given, (self.by_attitude,)).fit()
         if not self._is_beyond(torque):
