@@ -19,6 +19,8 @@ from ..samples.sensors import as_read
 #: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
 #: as many are fitted, until all are.
 BEGINNING, FEWEST = 2.0, 12
+#: Most samples that are searched for changes before all samples are.
+MOST = 128
 #: Prior standard deviation of a tensor, relative to its mean moment, in each of its directions: the
 #: root mean square difference of two bodies of one trace whose second moments share it at random
 #: (uniform on the simplex) about axes at random, √(2 · 3/8 / 5).
@@ -55,13 +57,23 @@ class Log(Data):
 
     @cached_property
     def beginnings(self) -> Sequence["Log"]:
-        """As in `Data`: the first log is so short that its motion is nearly linear in its start."""
+        """As in `Data`: the first log is so short that its motion is nearly linear in its start.
+
+        All logs but the last, which has all samples, have at most `MOST` of their samples.
+        """
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
-        length, logs = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), []
+        length, lengths = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), list[int]()
         while length < len(self.t):
-            logs.append(replace(self, t=self.t[:length], states=self.states[:length]))
+            lengths.append(length)
             length *= 2
-        return (*logs, self)
+        if len(self.t) > MOST:
+            lengths.append(len(self.t))
+        return (*map(self._beginning, lengths), self)
+
+    def _beginning(self, length: int) -> "Log":
+        """Return at most `MOST` of the first samples, spread evenly over as many as `length`."""
+        kept = np.unique(np.linspace(0, length - 1, min(length, MOST)).astype(int))
+        return replace(self, t=self.t[kept], states=self.states[kept])
 
     @property
     def measured(self) -> int:

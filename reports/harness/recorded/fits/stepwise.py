@@ -45,11 +45,11 @@ class Stepwise(Search):
         """
         fit = Trial(self.data.beginnings[0], kept).fit()
         for data in self.data.beginnings:
-            search = replace(self, data=data)
-            fit = search.stepwise(Trial(data, fit.changes).fit(fit), most, kept)
+            search, of_all = replace(self, data=data), data is self.data
+            fit = search.stepwise(Trial(data, fit.changes).fit(fit), most, () if of_all else kept)
             if fit.explains_nothing:
                 return Trial(self.data, fit.changes).fit(fit)
-        return self.stepwise(fit, most) if kept else fit
+        return fit
 
     def stepwise(self, fit: Fit, most: int, kept: tuple[Change, ...] = ()) -> Fit:
         """The best set of changes by stepwise regression, which begins with the changes of a fit.

@@ -9,6 +9,8 @@ import pytest
 from planted_motions import case
 from spincheck.reports.harness.explaining.fit import Data, Linear, Trial, of_pairs
 from spincheck.reports.harness.explaining.hypothesis import Change, Hypothesis, as_it_is
+from spincheck.reports.harness.recorded.files.exact_at import exact_at
+from spincheck.reports.harness.recorded.fits.log import FEWEST, MOST, log_of
 from spincheck.reports.harness.recorded.fits.stepwise import Stepwise
 
 CHANCE = np.random.default_rng(4)
@@ -100,3 +102,17 @@ def test_a_change_with_fewer_parameters_takes_the_place_of_general_ones() -> Non
     general = Trial(needed.data, (EVERY,)).fit()
     assert needed.simplified(general, SLOPE) is general
     assert search.simplified(Trial(search.data, (EVERY,)).fit(), EVERY).changes == (EVERY,)
+
+
+@pytest.mark.parametrize("samples", [40, 1001])
+def test_changes_of_a_long_log_are_searched_in_a_part_of_its_samples_first(samples: int) -> None:
+    one = case(324, samples=samples)
+    motion = exact_at(one.scenario, one.scenario.times).trajectory
+    has = {"is_stated": True, "has_omega": True}
+    *parts, whole = log_of(one.scenario, motion, motion, np.ones(2), **has).beginnings
+    assert len(whole.t) == samples
+    assert (parts[-1].t[-1] == motion.t[-1]) == (samples > MOST)
+    for part in parts:
+        assert part.t[0] == motion.t[0]
+        assert FEWEST <= len(part.t) <= MOST
+        assert (part.states == whole.states[np.isin(whole.t, part.t)]).all()
