@@ -187,7 +187,13 @@ def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
 
 
 def _body_on_table(scenario: Scenario, q: Quaternion, change: BodyChange) -> Numbers:  # noqa: ARG001
-    """Return the change of a table's numbers in `Problem` by a change of the body."""
+    """Return the changes of `tip_axes`, m, and `mass`, kg, in `Problem`, for a body on a table.
+
+    Parameters
+    ----------
+    q : the quaternion from body axes to principal axes
+    change : the change of the body
+    """
     x, y, z = rotate(q, change.lever_body)
     return {"tip_axes": (-x, -y, -z), "mass": change.mass}
 

@@ -114,9 +114,11 @@ class Theta:
 
 
 def theta(n: int, lattice: Lattice, y: mpf = 0, doubled: bool = False) -> Theta:
-    """Return θ_n(π(u − iy)/2K, q) as a function of x = lattice.scale · u.
+    """Return θ_n(π(u − iy)/2K, q) as a function of x = lattice.scale · u, up to a factor.
 
-    The formulas are DLMF 20.2.1–4 and 20.7.30–33.
+    The constant factor depends on n, 2 q^(1/4) for θ1 and θ2, so that quotients must be normalised,
+    as in `jacobi`; `Theta` says what else is left out. The formulas are DLMF 20.2.1–4 and
+    20.7.30–33.
 
     Parameters
     ----------

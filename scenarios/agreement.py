@@ -20,7 +20,8 @@ class ErrorSeries:
     Attributes
     ----------
     signals : the signals that the scene has
-    distances : the distance in each signal, (n, signals); ``series[name]`` is that in one, (n,)
+    distances : the distance in each signal, rad for the attitude, relative for the others,
+        (n, signals); ``series[name]`` is that in one, (n,)
     """
 
     signals: tuple[Signal, ...]
@@ -35,6 +36,10 @@ class ErrorSeries:
         """Return the index of the first sample at which a signal's distance exceeds a bound.
 
         A distance that is NaN counts as beyond it. None if there is no such sample.
+
+        Parameters
+        ----------
+        bound : rad for the attitude, relative for the other signals
         """
         beyond = np.flatnonzero(~(self[name] <= bound))
         return int(beyond[0]) if len(beyond) else None

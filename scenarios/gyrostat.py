@@ -1,4 +1,4 @@
-"""A gyrostat: a body with rotors, axisymmetric parts on frictionless hinges.
+"""A gyrostat: a body with rotors, axisymmetric parts on hinges: free, driven or locked.
 
 A rotor looks the same at every angle, so that com and inertia of the whole stay as they are in
 body axes. With s the spin relative to the body, C the moment along the unit axis u and I the

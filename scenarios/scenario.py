@@ -219,7 +219,11 @@ class Scenario:
 
     @cached_property
     def pushed(self) -> dict[str, Any]:
-        """The parameters that the function `push` reads, SI; zero for effects not called for."""
+        """The parameters of the torques that `effects.push.push` adds up, by the effects' names.
+
+        They are `torque_body` and `torque_world`, N m, (3,), in body and in world axes, and `drag`,
+        the coefficient of drag, N m s. They are zero for effects that the scene does not call for.
+        """
         return {
             one.name: one.pushed(one.table_in(self.document))
             for one in EFFECTS.values()

@@ -132,7 +132,7 @@ def radius_of_gyration(scene: Scene) -> float:
 
 
 def _way(scene: Scene, exact: Trajectory) -> float:
-    """Return the com's longest way from its start, m, at least the radius of gyration."""
+    """Return the com's largest distance from its start, m, at least the radius of gyration."""
     return max(_longest(exact.com_world - exact.com_world[0]), radius_of_gyration(scene))
 
 

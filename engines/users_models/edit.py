@@ -99,7 +99,8 @@ def set_attributes(
 
     Parameters
     ----------
-    changes : new values by the names of the attributes; None removes an attribute
+    changes : new values by the names of the attributes, which are added if the element lacks them
+        and written without escaping; None removes an attribute
     """
     start, end = element.span[0], tag_end(data, element.span[0])
     left = dict(changes)

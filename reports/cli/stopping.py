@@ -115,7 +115,10 @@ def _imports(frame: FrameType | None) -> bool:
 
 
 def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
-    """Start a thread that ends the program if a signal is not handled in time.
+    """Start a daemon thread that ends the program if it has not ended in time after a signal.
+
+    Python has `HEARING` s to handle the signal; if it does, the program has `ENDING` s more to
+    close everything. No thread is started if no file descriptor is free.
 
     Parameters
     ----------

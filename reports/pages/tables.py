@@ -8,7 +8,7 @@ from ..results.verdict_words import VERDICT, VerdictWord
 
 
 def scene_page(name: str) -> str:
-    """Return the path of a scene's page, relative to the report's folder."""
+    """Return the URL of a scene's page, relative to the report's folder, percent-encoded."""
     return f"scenes/{quote(name)}.html"
 
 

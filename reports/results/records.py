@@ -96,7 +96,11 @@ Variation = Annotated[str, AfterValidator(_variation)]
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """Base of dataclasses that are stored; values of other than the declared types are refused."""
+    """Base of dataclasses that are stored in result files.
+
+    When a record is read from a file, a value of another type than its field declares is refused,
+    and so is an unknown field. The constructor checks nothing.
+    """
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
 
@@ -281,7 +285,7 @@ class Row(Record):
 
     @property
     def simulated(self) -> bool:
-        """Whether the engine can simulate the scene with this timestep."""
+        """Whether the engine can simulate the scene with this timestep, even if the run failed."""
         return self.outcome != "unsupported"
 
     @property

@@ -19,7 +19,7 @@ FLAT_SLACK = 4 * float(np.finfo(float).eps)
 
 
 class RotorTable(EffectTable):
-    """An axisymmetric rotor on a frictionless hinge in the body, which `[body]` is without."""
+    """An axisymmetric rotor on a hinge in the body. Mass and inertia in `[body]` are without it."""
 
     EXAMPLE: ClassVar[str] = """axis = [0.0, 0.0, 1.0]           # body axes
 position = [0.0, 0.0, 0.05]      # m, of its com, from the body's origin

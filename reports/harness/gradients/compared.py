@@ -291,12 +291,15 @@ class MethodStudy:
         return self.units.of(found)
 
     def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
-        """Return a row, completed by gradients along a run; the reason says why if there are none.
+        """Return a row with `window` and `useless_from`, from gradients along a run.
+
+        If there can be none, the verdict's reason says why, unless it has a reason already.
 
         Parameters
         ----------
         name : the engine's name for the derivative; if empty, differences of runs are used
-        is_taped : whether the derivative of many steps is computed at once
+        is_taped : whether the derivative of many steps is computed at once. It is then compared
+            with the product of the steps' Jacobians, too; if they differ, the verdict says so
         """
         sessions, h, units, one = self.sessions, row.timestep, self.units, row.judged
         of_step = partial(self._jacobian, name=name) if name else None

@@ -162,7 +162,12 @@ def _gains(exact: Exact, off: FloatArray) -> FloatArray:
 
 
 def _tail(series: list[GainSeries]) -> float:
-    """Return the tail of the series of attitude and ω together (Bonferroni)."""
+    """Return the p-value of all tests of both series together (Bonferroni).
+
+    Parameters
+    ----------
+    series : the series of attitude and of ω, as `_series` returns them
+    """
     return min(1.0, HALVES * min(one.tail for one in series))
 
 

@@ -226,9 +226,10 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _directions(count: int) -> FloatArray:
-    """Orthonormal directions, (count, 3), onto which the momenta of rotors are projected.
+    """The matrix, (count, 3), that projects the axial momenta of rotors, (n, count), to three.
 
-    If there are three rotors or fewer, each has a direction of its own.
+    For more than three rotors its columns are orthonormal. For three or fewer, each rotor has a
+    column of its own, and the columns that remain are zero.
     """
     if count <= 3:
         return np.eye(count, 3)

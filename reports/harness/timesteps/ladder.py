@@ -150,12 +150,17 @@ def _thinned(intervals: int, turn: float) -> int:
 
 
 def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> Iterator[Rung]:
-    """Yield the rungs above a ladder, each sampled where its whole steps end at a ladder's sample.
+    """Yield rungs with 2, 4, 8, … times the coarsest timestep of a ladder.
+
+    They end before a step turns the body by more than `LARGEST_TURN`, or a run has fewer than
+    `LEAST_STEPS` steps. Each is sampled at every m-th sample of the ladder, with the least m for
+    which samples are whole steps apart.
 
     Parameters
     ----------
     coarsest : the ladder's coarsest timestep, s
     counts : number of steps of that timestep before each sample, (n,)
+    fastest_rate : the fastest rate of the motion, rad/s
     """
     per_interval = int(counts[1])
     for k in count(1):

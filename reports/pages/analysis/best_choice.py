@@ -228,7 +228,7 @@ def nothing_because(scene: SceneRuns) -> str:
 
 
 def within_in_words(bounds: ErrorBounds) -> str:
-    """Return bounds as users read them: 0.1° in attitude and 10⁻³ in ω."""
+    """Return bounds as users read them: 0.1° in attitude and 0.001 in ω."""
     parts = []
     for name, bound in bounds.items():
         size = f"{math.degrees(bound):.3g}°" if SIGNAL[name].unit else f"{bound:g}"

@@ -226,9 +226,14 @@ def _line(
 
 
 def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
-    """Return cells of a run's errors; `noticed` is when it is first 1° off, s.
+    """Return four cells: a run's errors, and the time from which on it is more than 1° off.
 
-    It is None if the run never is, or if that is not known.
+    They are the attitude error, that time, the ω error and the energy error. Without errors the
+    first cell says how the run ended, and the others are empty.
+
+    Parameters
+    ----------
+    noticed : that time, s; None if there is none, or if it is not known
     """
     if row.errors is None:
         word = ended(row) if row.made else "not run"

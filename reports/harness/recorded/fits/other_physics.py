@@ -102,9 +102,11 @@ class Physics:
 
     @property
     def is_beyond(self) -> bool:
-        """Whether the motion differs from the exact flow by more than noise and a method's error.
+        """Whether the motion differs from the flow of `base` by more than noise and method error.
 
-        The method has the stated order and timestep.
+        In each interval the recorded end is compared with that of the exact flow of `base` from
+        the recorded start. The method has the stated order and timestep. It is False without
+        intervals.
         """
         return self.search is not None and self.search.exceed_noise(self.search.unchanged.residuals)
 

@@ -138,12 +138,17 @@ def numbers_of(recording: Recording, reading: Reading, exact: Trajectory) -> Num
 
 
 def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
-    """Return the unit of the last digit of the largest number, as the numbers were printed.
+    """Return the resolution of printed numbers, in the unit of `numbers`.
+
+    It is the largest number times 10^(1 − d) for d significant digits, which is one to ten times
+    the unit of its last digit. It is at least the largest number times the machine epsilon: that of
+    single precision if single precision holds all numbers.
 
     Parameters
     ----------
     numbers : of any shape
-    units : factors of the units that the numbers may have been printed in
+    units : sizes of the units that the numbers may have been printed in, in the unit of `numbers`;
+        the one in which the numbers have the fewest digits is taken
     """
     flat = numbers.ravel()
     counted = flat[:: max(1, len(flat) // MOST_COUNTED)]
