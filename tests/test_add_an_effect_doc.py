@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 from lines_of_code import DOCUMENTED
@@ -36,6 +37,7 @@ MOST, MOST_WITH_ADAPTERS = 12, 26
 MOST_OF_A_PART = 22
 
 
+@cache
 def code_of(path: Path) -> str:
     """A source without comments and docstrings: what these name need not be changed for a part."""
     text = path.read_text(encoding="utf-8")
