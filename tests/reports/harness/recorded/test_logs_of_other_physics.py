@@ -17,6 +17,8 @@ from spincheck.scenarios import Scenario
 pytestmark = pytest.mark.slow
 
 FREE, HEAVY = case(303, samples=201), case(402, is_pivoted=True, samples=201)
+#: A body, and a torque along each of its axes, N m, too small to show in an eighth of its log.
+LONG, SMALL = case(324, samples=1001), 2e-4
 MOMENT = float(np.trace(FREE.inertia)) / 3
 SPEED = float(np.linalg.norm(FREE.scenario.start.omega_body))
 #: A tensor whose products of inertia have the other sign, and drag, N m s.
@@ -157,6 +159,14 @@ LOGS: dict[str, Hidden] = {
         NOISY,
         numbers=(0.05 * MOMENT, 1.5),
         to=0.03,
+    ),
+    "a torque that only all samples of a long log show": Hidden(
+        LONG.scenario,
+        lambda: noisy(exactly(LONG, rates_of(LONG, torque=lambda _: SMALL * np.array([1, -1, 1])))),
+        ("it moves as if a torque of ",),
+        NOISY,
+        numbers=(SMALL, -SMALL, SMALL),
+        to=SMALL / 2,
     ),
     "another start, of attitudes alone": Hidden(
         FREE.scenario,
