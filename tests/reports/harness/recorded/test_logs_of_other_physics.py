@@ -17,7 +17,7 @@ from spincheck.scenarios import Scenario
 pytestmark = pytest.mark.slow
 
 FREE, HEAVY = case(303, samples=201), case(402, is_pivoted=True, samples=201)
-#: A body, and a torque along each of its axes, N m, too small to show in an eighth of its log.
+#: A body, and a torque along each axis, N m, which an eighth of its log does not tell from others.
 LONG, SMALL = case(324, samples=1001), 2e-4
 MOMENT = float(np.trace(FREE.inertia)) / 3
 SPEED = float(np.linalg.norm(FREE.scenario.start.omega_body))
