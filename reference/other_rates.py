@@ -33,7 +33,8 @@ _COUNTS = {
     **dict.fromkeys(("world_vectors", "mobility", "tensor_turns", "kinematics", "rate"), 1),
 }
 _PLACES = np.cumsum([0, *(_COUNTS.get(name, 3) for name in OtherEquations._fields)])
-#: Where each attribute of `OtherEquations` begins in the array of all numbers.
+#: Where each attribute of `OtherEquations` begins in the array of all numbers; at its end, whether
+#: there are the torques of `_of_attitude`, which would be costly to find out in each step.
 (
     INERTIA,
     INVERSE,
@@ -59,16 +60,22 @@ _PLACES = np.cumsum([0, *(_COUNTS.get(name, 3) for name in OtherEquations._field
     TENSOR_TURNS,
     KINEMATICS,
     RATE,
-) = map(int, _PLACES[:-1])
+    HAS_TORQUE_OF_ATTITUDE,
+) = map(int, _PLACES)
 
 
 def all_numbers(equations: OtherEquations) -> FloatArray:
     """Return all numbers of equations of motion in one array, attribute by attribute.
 
-    Matrices are written row by row.
+    Matrices are written row by row. At the end is 1 if a torque depends on the attitude, besides
+    that of gravity, and else 0.
     """
+    each = (np.asarray(one, float).tobytes() for one in (*equations, 0.0))
     # Three times as fast as `concatenate`, for so many short arrays.
-    return np.frombuffer(bytearray().join(np.asarray(one, float).tobytes() for one in equations))
+    numbers = np.frombuffer(bytearray().join(each))
+    # Attitude torque, spring and gravity gradient follow on each other.
+    numbers[HAS_TORQUE_OF_ATTITUDE] = numbers[ATTITUDE_TORQUE:BODY_TURNS].any()
+    return numbers
 
 
 @kernel
@@ -198,15 +205,6 @@ def _unit(axis: int) -> Vector:
     return 1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0
 
 
-@kernel
-def _has_torque_of_attitude(e: FloatArray) -> bool:
-    largest = 0.0
-    for i in range(9):
-        for at in (ATTITUDE_TORQUE, SPRING, GRAVITY_GRADIENT):
-            largest = max(largest, abs(e[at + i]))
-    return largest > 0.0
-
-
 @called
 def _of_attitude(e: FloatArray, R: Matrix) -> Vector:
     """Return the torques that depend on the attitude, without that of gravity, N m, body axes.
@@ -249,7 +247,7 @@ def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
         pull = _times(R, pull)
     torque = plus(torque, _cross(pull, gravity), 1.0)
     torque = plus(torque, _of_world(e, R, vector(e, TORQUE_WORLD)), 1.0)
-    if _has_torque_of_attitude(e):
+    if e[HAS_TORQUE_OF_ATTITUDE] != 0.0:
         torque = plus(torque, _of_attitude(e, R), 1.0)
     torque = plus(torque, _resistance(e, R, omega), 1.0)
     if e[SLOWING + 1] != 0.0 or e[SLOWING + 2] != 0.0:

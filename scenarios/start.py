@@ -26,13 +26,13 @@ class StartTable(Table):
     )
     position: Vector | None = Field(
         None,
-        description="m, of the com, zeros if left out; not with a pivot; on a table z follows from "
-        "the attitude",
+        description="m, of the com, zeros if left out; not with a pivot; on a table z is the "
+        "height at which the body stands, and may be left out only with x and y",
     )
     velocity: Vector | None = Field(
         None,
-        description="m/s, of the com, zeros if left out; not with a pivot; on a table z follows "
-        "from ω",
+        description="m/s, of the com, zeros if left out; not with a pivot; on a table z is that of "
+        "a tip that stays on it, and may be left out only with x and y",
     )
 
     @model_validator(mode="after")

@@ -14,6 +14,7 @@ from ...engines.interface import misfit
 from ...scenarios import Scenario, did_you_mean
 from ..harness.choice import Choice
 from ..harness.executors import Executor, LocalWorkers
+from ..harness.timesteps.ladder import MOST_STEPS
 from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 
 
@@ -270,11 +271,16 @@ def words_of(command: str) -> list[str]:
 
 
 def check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:
-    """Raise a `Complaint` if a timestep asked for is longer than the window of a scene."""
+    """Raise a `Complaint` if a timestep is longer than a scene's window, or far too short."""
     for scenario in scenarios:
         for timestep in choice.timesteps:
             if timestep > scenario.window.duration:
                 raise Complaint(
                     f"'--timestep' must be shorter than the window of {scenario.name}, "
                     f"{scenario.window.duration:g} s, got {timestep:g} s"
+                )
+            if not scenario.window.duration / timestep < MOST_STEPS:
+                raise Complaint(
+                    f"'--timestep' must be longer: on {scenario.name} {timestep:g} s make more "
+                    f"than {MOST_STEPS:.1e} steps"
                 )

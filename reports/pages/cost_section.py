@@ -18,9 +18,12 @@ def median_table(gathered: ReportData) -> Table:
     """Return a table of each method's median cost at each level of error.
 
     The median is over the scenes that the method can simulate. Cells have a second line: the number
-    of scenes on which the method reaches the error.
+    of scenes on which the method reaches the error. The table is empty if no run was timed.
     """
-    found = tallies([curves(scene, COMPARED) for scene in gathered.scenes if scene.solved])
+    every = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
+    if not any(curve.seconds_per_step for curves_of_scene in every for curve in curves_of_scene):
+        return records([])
+    found = tallies(every)
 
     def cell(pair: Pair, level: float) -> Cell:
         reached, extrapolated, cost = found.get((*pair, level), (0, 0, None))

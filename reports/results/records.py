@@ -292,8 +292,11 @@ class Row(Record):
     def ending_in_words(self) -> str:
         """Why the run ended as it did, when, and with which timestep."""
         when = f" at {self.stopped_at:.4g} s" if self.stopped_at is not None else ""
-        ended = f"{self.reason}{when}, with a timestep of {self.timestep:.3g} s"
-        return self.reason if self.cause == "effects" else ended
+        if self.cause == "effects":
+            return self.reason
+        if not self.simulated:
+            return f"{self.reason} (at a timestep of {self.timestep:.3g} s)"
+        return f"{self.reason}{when}, with a timestep of {self.timestep:.3g} s"
 
     @property
     def survived(self) -> bool:

@@ -1,7 +1,7 @@
 """Engines with a planted fault each: what they do wrong, a study must tell by name.
 
 They are stepped honestly, by Heun's method (`stepped`), but for the fault, so that a study of the
-faultless one converges. Faults that are told by ladders and pieces are in `stepped_faults`.
+faultless one converges. Faults that single steps and replays show are in `stepped_faults`.
 """
 
 import ctypes

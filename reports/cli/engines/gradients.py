@@ -46,6 +46,8 @@ def gradients(
     for option, given in {"--timestep": timestep, "--window": window}.items():
         if given is not None and not 0 < given < float("inf"):
             raise Complaint(f"'{option}' must be above 0, got {given:g}")
+    if timestep and window and window < timestep:
+        raise Complaint(f"'--window' must be no shorter than '--timestep', got {window:g} s")
     scenarios = scenes_to_run(scenes, expectations=False)
     choice = choose(engine, method, (), scenarios=scenarios, time_limit=time_limit)
     compile_first()

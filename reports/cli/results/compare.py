@@ -5,6 +5,7 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
+from ....engines import engines
 from ...pages.analysis.changes import COST_FACTOR, ERROR_FACTOR, Change, changes
 from ...pages.analysis.wording import plural
 from ...results.results import Results
@@ -29,6 +30,12 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
     names_engines = any(mark in old + new for mark in ("@", " as "))
     if names_engines and not (Path(old).exists() and Path(new).exists()):
         return changes_between_versions(running.read(stored), old, new)
+    for name in (old, new):
+        if name in engines() and not Path(name).exists():
+            raise Complaint(
+                f"{name}: no such result file; an engine is compared with another version of it, "
+                f"such as {name}@1.2.3, or with another encoding"
+            )
     return changes(running.read(Path(old)), running.read(Path(new)))
 
 

@@ -80,7 +80,9 @@ def show(
     elif as_json:
         print(to_json(described))
     else:
-        print(f"{scene.title}\n\n{scene.document.description}\n\n{scene.path}\n")
+        print(f"{scene.title}\n\n{scene.document.description}\n")
+        if scene.path:
+            print(f"{scene.path}\n")
         table([{"": name, "value": _inline(value)} for name, value in described.items()])
 
 

@@ -50,10 +50,11 @@ def changes(scenario: Scenario) -> Iterator[Change]:
     base = as_it_is(scenario)
     yield from _of_kinematics()
     yield from _of_gyroscopic_torque(scenario, base.equations)
+    # Before other tensors, as one of which drag or a torque hardly acts on explains the same.
+    yield from of_effects(scenario, base.equations)
     for kind, numbers, tensor in other_tensors(scenario):
         yield set_to(kind, numbers, **_body(tensor))
     yield set_to("inverse for the tensor", **_body(base.equations.inverse))
-    yield from of_effects(scenario, base.equations)
     yield from _of_fitted_tensors(scenario, base.equations)
 
 

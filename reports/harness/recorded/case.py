@@ -195,6 +195,8 @@ class Case:
             return None
         first = {f.name: getattr(self.motion, f.name)[0] for f in fields(self.motion)}
         del first["t"]
+        if self.reading.spins is None:
+            first["spins"] = self.scenario.start_spins
         try:
             scenario = started_at(self.scenario, **first)
             exact = exact_at(scenario, self.reading.t).trajectory

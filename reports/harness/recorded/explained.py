@@ -251,13 +251,18 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
                 words = [*words, *(one.words for one in case.jumps(fit.hypothesis))]
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
-    # Other equations change no state at the scene's start.
-    is_of_start = bool(of_method) or (physics.is_of_equations and not physics.exact.t[0])
-    start = elsewhere(physics) if case.has_omega and (is_of_start or not words) else []
-    left = case.as_it_begins() if start and not words and not physics.made_by else None
+    # Other equations change no state at the scene's start. Free rotors keep another momentum if the
+    # body that carries them starts otherwise.
+    is_carried = bool(case.scenario.rotors.is_free.any())
+    at_start = not physics.exact.t[0] and (physics.is_of_equations or is_carried)
+    start = elsewhere(physics) if case.has_omega and (of_method or at_start or not words) else []
+    is_tried = bool(start) and (is_carried or not words) and not physics.made_by
+    left = case.as_it_begins() if is_tried else None
     if left:
         found = Finding(tuple(start), (replace(left, is_trial=True),), is_beyond)
-        return _with_remainder(case, found)
+        of_start = _with_remainder(case, found)
+        if not words or not of_start.is_open:
+            return of_start
     words = [*words, *of_spins, *start]
     verdict = _verdict(physics, is_beyond, is_explained=bool(words))
     return Explanation(tuple(words), verdict, is_beyond, physics.made_by, is_open=is_open)
@@ -327,7 +332,11 @@ def _verdict(physics: Physics, is_beyond: bool, *, is_explained: bool) -> str:
     is_explained : whether a mistake or other physics explains the motion
     """
     if physics.search is None and not is_beyond:
-        return "its samples are too few, or too far apart, to say what a method made of them"
+        as_recorded = "as it is recorded, " if is_explained else ""
+        return (
+            f"{as_recorded}its samples are too few, or too far apart, to say what a method made of "
+            "them"
+        )
     what = f"what a method of order {physics.order} makes of the exact motion"
     where = (
         f"at a timestep of {physics.timestep:.4g} s"

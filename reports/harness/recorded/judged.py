@@ -23,6 +23,7 @@ from .files.exact_at import exact_at
 from .files.motion import RecordedMotion, reading_of, recorded_motion
 from .files.recording import Recording, RecordingError
 from .fits.measured import Measured
+from .samples.spins import other_spins
 from .samples.translation import mistakes_of_translation, other_translation
 
 EPS = float(np.finfo(float).eps)
@@ -161,8 +162,8 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     explanation = explained(case)
     of_places = mistakes_of_translation(scenario, exact, recording, recorded.trajectory)
     if not (of_places or explanation.explained_by or explanation.is_beyond):
-        lever = float(np.linalg.norm(scenario.constraint.lever))
-        of_places = other_translation(exact, recording, recorded.trajectory, lever, timestep)
+        of_motion = scenario, exact, recording, recorded.trajectory, timestep
+        of_places = other_translation(*of_motion) + other_spins(*of_motion)
     return JudgedMotion(
         recorded,
         solution,
@@ -195,13 +196,15 @@ def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
 
 
 def _check_timestep(timestep: float | None, times: FloatArray) -> None:
-    """Check that the stated timestep, s, is not longer than the distance of samples.
+    """Check that the stated timestep, s, is positive, and not longer than the distance of samples.
 
     Raises
     ------
     RecordingError
-        If it is longer.
+        If it is not positive, or longer.
     """
+    if timestep is not None and not timestep > 0:
+        raise RecordingError(f"'timestep' must be a positive number of seconds, got {timestep:g}")
     distance = float(np.diff(times).max())
     if timestep is not None and timestep > (1 + TIME_TOLERANCE) * distance:
         raise RecordingError(

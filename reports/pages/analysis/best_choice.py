@@ -205,16 +205,22 @@ def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
     """Return why a scene does not tell good methods from bad ones; empty if it does.
 
     It does not if a trivial forecast, uniform rotation about the axis at the start, has errors of
-    less than `TELLING` times the bounds of attitude and ω (`BOUNDS` where none is given). On skill
+    less than `TELLING` times the bounds of attitude and ω (`BOUNDS` where none is given). If bounds
+    are on the com alone, or its velocity, the forecast is uniform motion of the com. On skill
     relative to a trivial forecast see A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417.
     """
-    errors = _errors_of_uniform_rotation(solved)
-    if any(errors[name] > TELLING * bounds.get(name, bound) for name, bound in BOUNDS.items()):
-        return ""
-    off = number(math.degrees(errors.attitude), 2)
+    errors = _errors_of_uniform_motion(solved)
+    if bounds and bounds.keys() <= {"com", "velocity"}:
+        if any(errors[name] > TELLING * bound for name, bound in bounds.items()):
+            return ""
+        forecast, off = "com that went on at its velocity at the start", number(errors.com, 2)
+    else:
+        if any(errors[name] > TELLING * bounds.get(name, bound) for name, bound in BOUNDS.items()):
+            return ""
+        forecast = "body that went on turning as at the start, at a constant rate about an axis "
+        forecast, off = f"{forecast}that stays,", f"{number(math.degrees(errors.attitude), 2)}°"
     return (
-        "a body that went on turning as at the start, at a constant rate about an axis that stays, "
-        f"would be {off}° off at worst, so that the motion does not tell methods apart"
+        f"a {forecast} would be {off} off at worst, so that the motion does not tell methods apart"
     )
 
 
@@ -236,13 +242,20 @@ def within_in_words(bounds: ErrorBounds) -> str:
     return " and ".join(parts)
 
 
-def _errors_of_uniform_rotation(solved: SceneResult) -> Errors:
-    """Return the errors of a body that keeps turning about its axis at the start."""
+def _errors_of_uniform_motion(solved: SceneResult) -> Errors:
+    """Return the errors of a body that keeps its angular and linear velocity of the start."""
     exact = solved.solution.trajectory
-    omega = exact.omega_body[:1].repeat(len(exact.t), axis=0)
+    omega, velocity = (
+        one[:1].repeat(len(exact.t), axis=0) for one in (exact.omega_body, exact.velocity_world)
+    )
     attitudes = exact.R_world_body[0] * Rotation.from_rotvec(omega * exact.t[:, None])
-    q = attitudes.as_quat(scalar_first=True)
-    uniform = replace(exact, q_world_body_wxyz=q, omega_body=omega)
+    uniform = replace(
+        exact,
+        q_world_body_wxyz=attitudes.as_quat(scalar_first=True),
+        omega_body=omega,
+        com_world=exact.com_world[0] + velocity * exact.t[:, None],
+        velocity_world=velocity,
+    )
     return errors_between(solved.scenario, uniform, exact)
 
 

@@ -85,8 +85,8 @@ def signals_table(scene: SceneRuns) -> Table:
             **named(runs.pair),
             "signal": signal.error_title,
             "timestep, s": figure(number(runs.finest.timestep)),
-            "error": figure(number(runs.finest.errors[signal.name] * signal.shown)),
-            "order found": figure(order(curve.observed_order)),
+            "error": figure(number(error * signal.shown)),
+            "order found": figure(order(curve.observed_order) if error else NOTHING),
             "declared": figure(_declared(runs, signal)),
             "rounding takes over below, s": figure(number(floor.timestep if floor else None)),
             "where the error is": figure(number(floor.error * signal.shown if floor else None)),
@@ -94,7 +94,7 @@ def signals_table(scene: SceneRuns) -> Table:
         for runs in scene.methods
         for signal in scene.signals
         if scene.solved and runs.finest and runs.finest.errors
-        for curve in [curve_of(scene, runs, signal.name)]
+        for error, curve in [(runs.finest.errors[signal.name], curve_of(scene, runs, signal.name))]
         for floor in [curve.least]
     )
 

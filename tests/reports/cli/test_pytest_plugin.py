@@ -197,7 +197,7 @@ def test_what_agreed_is_run_again_when_something_it_rests_on_changes(run, pytest
 
 
 def test_ladders_end_at_the_steps_in_the_settings(run):
-    """With so few steps there is no ladder: single steps and pieces decide."""
+    """With so few steps there is no ladder: single steps and replays decide."""
     result = run("-k", "mujoco-RK4", "-o", "spincheck_max_steps=8", sphere=SPHERE)
     assert {"passed": 1}.items() <= result.parseoutcomes().items()
 

@@ -29,7 +29,7 @@ LADDER = Choice(ENGINES, max_steps=BUDGET, timed=False)
 
 @pytest.fixture
 def opened(monkeypatch) -> list[float]:
-    """The timesteps that engines were opened with: of runs, steps and pieces, and restarts."""
+    """The timesteps that engines were opened with: of runs, single steps, replays and restarts."""
     timesteps: list[float] = []
 
     def counting(kind: type[Engine]) -> Callable[..., Session]:

@@ -15,7 +15,7 @@ from markdown_text import markdown_tables, outside_code, plain
 from page import Page, read_page, unsound
 from spincheck.reports.pages.analysis.cost_to_reach import LEVELS
 from spincheck.reports.pages.analysis.report_data import report_data
-from spincheck.reports.pages.analysis.wording import number
+from spincheck.reports.pages.analysis.wording import NOTHING, number
 from spincheck.reports.pages.overview.overview import complaints, headline
 from spincheck.reports.pages.render import render
 from spincheck.reports.pages.scene import scene_tables
@@ -95,6 +95,29 @@ def test_the_first_page_has_a_table_of_costs(pages: dict[str, Page], folder: Pat
         heads = [table[0][-len(LEVELS) :] for table in tables if table and table[0]]
         levels = [h for h in heads if len(h) == len(LEVELS) and all("to " in cell for cell in h)]
         assert len(levels) == 1
+
+
+def test_where_no_run_was_timed_it_has_none_and_says_so(tmp_path: Path) -> None:
+    stored = results()
+    rows = [replace(row, seconds_per_step=None) for row in stored.rows]
+    index = render(replace(stored, rows=rows), tmp_path)
+    assert "No run was timed" in index.read_text(encoding="utf-8")
+    assert "No run was timed" in (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "(0 scenes)" not in (tmp_path / "report.md").read_text(encoding="utf-8")
+
+
+def test_an_error_that_is_zero_has_no_order() -> None:
+    stored = results()
+    rows = [
+        replace(row, errors=replace(row.errors, com=0.0)) if row.errors else row
+        for row in stored.rows
+    ]
+    (scene, *_) = report_data(replace(stored, rows=rows)).scenes
+    table = scene_tables.signals_table(scene)
+    signal, error, order = map(table.headings.index, ("signal", "error", "order found"))
+    of_com = [row for row in table.rows if row[signal].text.startswith("com")]
+    assert of_com
+    assert {(row[error].text, row[order].text) for row in of_com} == {("0", NOTHING)}
 
 
 def test_pages_are_well_formed_and_every_link_leads_somewhere_in_the_report(folder: Path) -> None:

@@ -5,12 +5,14 @@ from functools import cached_property
 
 import numpy as np
 
-from .....reference.following import EXACT, KNOWN
+from .....reference.following import EXACT, KNOWN, Integrator, rates
+from .....scenarios.rotation import norms
 from ...explaining.fit import mean_square
 from ...explaining.hypothesis import Hypothesis
 from ...explaining.search import SAME
 from ..files.recording import MULTIPLE
 from ..samples.intervals import Intervals
+from ..samples.mistakes import FITS
 
 #: The most intervals that known integrators are followed in, and the most with timesteps that are
 #: guessed.
@@ -62,7 +64,24 @@ class KnownIntegrators:
         multiples = data.spans / timestep
         if (np.abs(multiples - np.rint(multiples)) > MULTIPLE * multiples).any():
             return ()
-        return tuple(data.made_by(one, timestep) for one in KNOWN)
+        return tuple(data.made_by(one, timestep) for one in self._integrators)
+
+    @cached_property
+    def _integrators(self) -> list[Integrator]:
+        """The known integrators that may have computed the motion.
+
+        One that keeps the length of I ω is among them only if the scene's torques keep it, too: it
+        would undo drag, and so explain a motion in which drag is missing.
+        """
+        equations, states = self.intervals.base.equations, self.intervals.starts
+        kept = np.tile(equations.kept, (len(states), 1))
+        momenta, torques = (
+            vectors @ equations.inertia
+            for vectors in (states[:, 4:], rates(equations, states, kept)[:, 3:])
+        )
+        along = np.abs(np.sum(momenta * torques, axis=1)).max()
+        is_kept = along <= FITS * (norms(momenta) * norms(torques)).max()
+        return [one for one in KNOWN if is_kept or not one.keeps_length]
 
     def that_made(self, hypothesis: Hypothesis) -> str:
         """Return in words the integrator that computed the motion, if a hypothesis holds; or empty.

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from .....reference.following import follow_each
+from .....reference.following import APPROXIMATE, ERROR, EXACT, Integrator, follow_each
 from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.rotation import norms
 from ...explaining.fit import Data, Fit
@@ -50,10 +50,22 @@ class Log(Data):
     has_omega: bool
 
     @cached_property
+    def rate(self) -> float:
+        """The largest rate at which the body turns or its state changes, rad/s."""
+        speeds = norms(np.vstack([self.states[:, 4:], self.scene_start[None, 4:]]))
+        return float(max(speeds.max(), self.base.equations.rate, self.noise[1]))
+
+    @property
     def fastest(self) -> float:
         """The largest rate up to which motions are followed, rad/s."""
-        speeds = norms(np.vstack([self.states[:, 4:], self.scene_start[None, 4:]]))
-        return FASTER * float(max(speeds.max(), self.base.equations.rate, self.noise[1]))
+        return FASTER * self.rate
+
+    @cached_property
+    def integrator(self) -> Integrator:
+        """`APPROXIMATE` if its error is smaller than the standard error of a mean, else `EXACT`."""
+        error = ERROR * self.rate * float(np.abs(self.t - self.t[0]).max())
+        noise = min(self.noise[0], self.noise[1] / (self.rate or 1.0)) / np.sqrt(len(self.t))
+        return APPROXIMATE if error < noise else EXACT
 
     @cached_property
     def beginnings(self) -> Sequence["Log"]:
@@ -112,7 +124,7 @@ class Log(Data):
         steps = np.array([one.step for one in hypotheses])[:, None, None]
         spans = steps * np.diff(t, prepend=self.t[0])
         equations = [one.equations for one in hypotheses]
-        return follow_each(equations, starts, spans, fastest=self.fastest)[:, 0]
+        return follow_each(equations, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
 
     def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:
         """As in `Data`: those of the tensor of inertia relative to its trace, (9,).
@@ -134,7 +146,7 @@ class Log(Data):
         standardised : the residuals, in standard deviations of noise, (6 n,) or (3 n,)
         """
         squares = np.sum(standardised.reshape(len(self.t), -1, 3) ** 2, axis=(0, 2))
-        fits = FITS * np.array([1.0, self.fastest / FASTER]) / self.noise
+        fits = FITS * np.array([1.0, self.rate]) / self.noise
         return np.asarray(squares + 3 * len(self.t) * fits[: len(squares)] ** 2)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:

@@ -4,7 +4,7 @@ Only the beginning of a motion is compared, before an integrator's errors have g
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import chain
+from itertools import chain, combinations
 from math import pi
 
 import numpy as np
@@ -97,6 +97,8 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         return beginning.better(corrected(*best), best)[0]
     if beginning.error(given) > LEFT:
         pairs = (two for one in corrected([], given) for two in corrected(*one))
+        # Two factors make almost any number of spins.
+        pairs = (two for two in pairs if sum("spins are" in words for words in two[0]) < 2)
         best = beginning.better(pairs, best)
     return best[0] or beginning.other_times(given)
 
@@ -354,8 +356,15 @@ def _of_spins(
     """Yield mistakes of the spins, in words, each with the reading corrected for it."""
     yield "the spins have the opposite sign", reading._replace(spins=-spins)
     for words, factor in RATES.items():
-        of_spins = words.replace("wx", "spin1").replace("was", "were")
+        of_spins = words.replace("wx", "spin1").replace("was", "were").replace("it s", "they s")
         yield f"the spins are {of_spins}", reading._replace(spins=spins * factor)
+    for first, second in combinations(range(spins.shape[1]), 2):
+        exchanged = spins.copy()
+        exchanged[:, [first, second]] = spins[:, [second, first]]
+        yield (
+            f"spin{first + 1} and spin{second + 1} are exchanged",
+            reading._replace(spins=exchanged),
+        )
     if (omega_body := reading.omega_body) is not None:
         of_body = omega_body @ scenario.rotors.axes_body.T
         yield (

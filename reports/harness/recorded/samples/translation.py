@@ -15,6 +15,9 @@ from .other_readings import EVERY_AXES, named
 #: Least error of com or velocity that is named: as a multiple of the error that the method and the
 #: attitude explain, and as a fraction of the com's largest displacement, or of its largest speed.
 FAR, PART = 10.0, 0.01
+#: Least error of the velocity at the first sample that is named, as a multiple of that error; the
+#: change of the velocity's error since then is smaller.
+AT_START = 2.0
 
 
 def mistakes_of_translation(
@@ -27,10 +30,11 @@ def mistakes_of_translation(
     exact, motion : the exact and the recorded motion, at the recording's times
     """
     words = []
-    # Errors are relative to the distance of the com from the origin, and to speeds.
-    speed = float(norms(exact.omega_body).max()) * float(np.linalg.norm(scenario.constraint.lever))
+    # Errors are compared with the com's distance from its origin and the world's, and with speeds.
+    lever = float(np.linalg.norm(scenario.constraint.lever))
+    speed = float(norms(exact.omega_body).max()) * lever
     for name, candidates, scale in (
-        ("com", _coms(scenario, motion), float(np.linalg.norm(scenario.constraint.lever))),
+        ("com", _coms(scenario, motion), lever + _largest(exact.com_world)),
         ("velocity", _velocities(scenario, motion), speed + _largest(exact.velocity_world)),
     ):
         if name not in recording.arrays:
@@ -39,30 +43,31 @@ def mistakes_of_translation(
         least = float(norms(getattr(motion, f"{name}_world") - reference).max())
         residuals = {word: _largest(other - reference) for word, other in candidates}
         word = min(residuals, key=residuals.__getitem__)
-        if least > FITS * scale and residuals[word] < LEFT * least:
+        # Where the com rests at the origin, any error becomes small in a smaller unit.
+        if least > FITS * scale and residuals[word] < LEFT * min(least, scale):
             words.append(word)
     return words
 
 
 def other_translation(
+    scenario: Scenario,
     exact: Trajectory,
     recording: Recording,
     motion: Trajectory,
-    lever: float,
     timestep: float | None,
 ) -> list[str]:
     """Return that com or velocity have errors that no method explains, in words; often none.
 
-    The error of the attitude is allowed for, and a constant displacement of the com. Errors that
-    alternate are noise, which is not judged.
+    The error of the attitude is allowed for, and a constant displacement of the com along axes that
+    it is free to move along.
 
     Parameters
     ----------
     exact, motion : the exact and the recorded motion, at the recording's times
-    lever : distance of the com from the body's origin or pivot, m
     timestep : the timestep that the motion was computed with, s; None if unknown
     """
     t, arrays = exact.t, recording.arrays
+    lever = float(np.linalg.norm(scenario.constraint.lever))
     step = float(np.diff(t).max())
     h = min(timestep or step, step)
     attitude_error = norms(
@@ -75,27 +80,74 @@ def other_translation(
     # A method of order 1 is late by one step in velocity at most, which the com's place adds up.
     of_velocity = acceleration * h + lever * (omega_error + speed * attitude_error)
     of_com = (acceleration * h + lever * omega_error) * (t[-1] - t[0]) + lever * attitude_error
-    words = []
-    for name, word, unit, allowed, units in (
-        ("com", "the com", "m", of_com, LENGTHS),
-        ("velocity", "the velocity", "m/s", of_velocity, SPEEDS),
-    ):
-        if name not in arrays:
-            continue
-        reference = getattr(exact, f"{name}_world")
-        deviation = arrays[name] - reference
-        extent = _largest(reference - reference[0]) if name == "com" else _largest(reference)
-        if name == "com":
-            deviation = deviation - deviation[0]
-        allowed += resolution(arrays[name], units.values()) * len(t) * step / h
-        largest = _largest(deviation)
-        is_smooth = float(np.median(norms(np.diff(deviation, axis=0)))) < LEFT * largest
-        if is_smooth and largest > max(FAR * allowed, PART * extent):
-            words.append(
-                f"{word} is not that of the motion: it is off by up to {largest:.3g} {unit}, where "
-                f"a method and the attitude make {allowed:.1g} {unit} at most"
-            )
+    # Along axes that a constraint holds the com follows from the attitude, and adds up no error.
+    of_held = _largest(exact.velocity_world) * h + lever * attitude_error
+    words, later = list[str](), t[:, None] - t[0]
+    flown, held = np.zeros_like(exact.com_world), np.array(scenario.constraint.is_held)
+    if "velocity" in arrays:
+        off, extent = arrays["velocity"] - exact.velocity_world, _largest(exact.velocity_world)
+        rounding = rounding_of(arrays["velocity"], SPEEDS, len(t) * step / h)
+        most = max(AT_START * of_velocity, PART * extent) + rounding
+        if _largest(off[:1]) > most >= _largest(off - off[0]):
+            is_off = f"it is off by {_largest(off[:1]):.3g} m/s at t = {t[0]:.4g} s"
+            words, flown = [f"the com started with another velocity: {is_off}"], off[0] * later
+        else:
+            is_off = "the velocity is not that of the motion: it is"
+            words = far_off(is_off, "m/s", off, of_velocity, rounding, extent)
+    if "com" in arrays:
+        off, moved = arrays["com"] - exact.com_world, exact.com_world - exact.com_world[0]
+        rounding = rounding_of(arrays["com"], LENGTHS, len(t) * step / h)
+        is_off = "the com is not that of the motion: it is"
+        for axes, other, allowed in ((held, off, of_held), (~held, off - off[0] - flown, of_com)):
+            extent = _largest(moved[:, axes])
+            if said := far_off(is_off, "m", other[:, axes], allowed, rounding, extent):
+                return said + words
     return words
+
+
+def far_off(
+    is_off: str,
+    unit: str,
+    deviation: FloatArray,
+    allowed: float,
+    rounding: float,
+    extent: float,
+) -> list[str]:
+    """Return that a quantity's error is far beyond what a method makes, in words; or nothing.
+
+    An error that alternates is noise, which is not judged.
+
+    Parameters
+    ----------
+    is_off : the sentence until "off by", with its verb
+    deviation : from the exact motion, (n, k)
+    allowed : the largest error that a method and the attitude make
+    rounding : the largest error by rounding
+    extent : the largest size of the quantity, or change of it
+    """
+    largest = _largest(deviation)
+    if not (_is_smooth(deviation) and largest > max(FAR * allowed, PART * extent) + rounding):
+        return []
+    return [
+        f"{is_off} off by up to {largest:.3g} {unit}, where a method and the attitude make "
+        f"{allowed + rounding:.1g} {unit} at most"
+    ]
+
+
+def _is_smooth(deviation: FloatArray) -> bool:
+    """Whether a deviation, (n, k), changes slowly; one that alternates is noise."""
+    changes = float(np.median(norms(np.diff(deviation, axis=0))))
+    return changes < LEFT * _largest(deviation)
+
+
+def rounding_of(numbers: FloatArray, units: dict[str, float], steps: float) -> float:
+    """Return the largest error by rounding, in the unit of `numbers`.
+
+    Printed numbers are rounded once; those that an engine adds up in single precision, in each of
+    its steps. Few digits may be of either.
+    """
+    once = resolution(numbers, units.values())
+    return once + min(once, float(np.finfo(np.float32).eps) * float(np.abs(numbers).max())) * steps
 
 
 def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:

@@ -53,6 +53,7 @@ def test_the_exit_code_is_of_what_is_wrong(verdict: str, is_own: bool | None, co
         (0.0, None, "'--timestep' must be above 0, got 0"),
         (None, -1.0, "'--window' must be above 0, got -1"),
         (None, float("inf"), "'--window' must be above 0, got inf"),
+        (1.0, 0.5, "'--window' must be no shorter than '--timestep', got 0.5 s"),
     ],
 )
 def test_a_timestep_or_a_window_that_is_none_is_refused(

@@ -80,6 +80,9 @@ def test_a_page_shows_the_files_as_the_runs_of_one_method(recorded, tmp_path):
         (("exact.csv", "--fail-above", "omega"), "must be SIGNAL=SIZE, such as omega=1e-3"),
         (("exact.csv", "--fail-above", "attitude=five"), "attitude=1e-3, got 'attitude=five'"),
         (("exact.csv", "--timestep", "1", "--timestep", "2"), "once for each file, got 2 for 1"),
+        (("exact.csv", "--timestep", "nan"), "'timestep' must be a positive number of seconds"),
+        (("exact.csv", "--timestep", "0"), "'timestep' must be a positive number of seconds"),
+        (("exact.csv", "--timestep", "-1"), "'timestep' must be a positive number of seconds"),
         (("exact.csv", "stated.csv"), "timesteps must be halved from file to file"),
     ],
 )

@@ -273,3 +273,9 @@ def test_a_file_that_cannot_be_used_is_one_message_and_exit_code_2(stored, tmp_p
         f"spincheck: {other}: no such result file; 'spincheck run fast-top' writes one of a scene, "
         "'spincheck run' of the whole library\n",
     )
+
+
+def test_an_engine_in_place_of_a_file_is_one_message():
+    done = spincheck("compare", "mujoco", "pybullet")
+    message = "spincheck: mujoco: no such result file; an engine is compared with another version"
+    assert (done.returncode, done.stderr.startswith(message)) == (2, True)

@@ -121,6 +121,12 @@ def test_a_member_is_printed_as_a_scenario_file():
     assert member.title.endswith("with member 2 of seed 7")
 
 
+def test_a_member_is_shown_without_a_file() -> None:
+    shown = CliRunner().invoke(app, ["show", SCENE, "--member", "2"]).output
+    assert "None" not in shown
+    assert "with member 2 of seed 0" in shown
+
+
 def run(*arguments: object) -> tuple[int, str]:
     """The command's exit code and message, in this process."""
     result = CliRunner().invoke(app, [str(argument) for argument in arguments])

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
 from planted_motions import Case, case, exactly, product, rates_of
 from reported_faults import Arrays, judged
 from scipy.spatial.transform import Rotation
+from spincheck.reference import solve
 from spincheck.scenarios import from_tables
 
 pytestmark = pytest.mark.slow
@@ -45,6 +47,18 @@ def test_equations_and_integrator_are_both_named(one, h, changes, words) -> None
         words,
         f"what is left is what semi-implicit Euler at {h} s makes",
     ]
+
+
+def test_where_drag_is_missing_no_integrator_that_keeps_the_length_of_L_is_named() -> None:
+    """It undoes drag, and so makes the same motion."""
+    scene = library_scene("sphere-in-syrup")
+    tables = scene.document.model_dump(mode="json", exclude_none=True)
+    without = from_tables(tables | {"effects": {}}, "sphere-in-nothing")
+    motion = solve(without, scene.times).trajectory
+    arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": motion.omega_body}
+    found = judged(scene, arrays, None)
+    assert found.explained_by == ("it moves as if there were no drag",)
+    assert found.made_by == ""
 
 
 def test_without_a_timestep_samples_may_be_its_steps() -> None:

@@ -12,6 +12,7 @@ from spincheck.reports.cli.scenes.exact_motion import truth_files
 from spincheck.reports.harness.recorded.files.read import read_recording
 from spincheck.reports.harness.recorded.files.recording import Recording, RecordingError
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
+from spincheck.scenarios import from_tables
 
 pytestmark = pytest.mark.slow
 
@@ -79,6 +80,38 @@ MISTAKEN = {
 @pytest.mark.parametrize("words", MISTAKEN)
 def test_a_mistake_in_recording_spins_is_named(words: str) -> None:
     assert judged(spins=MISTAKEN[words]).explained_by == (words,)
+
+
+def test_spins_that_are_exchanged_are_named() -> None:
+    scene = library_scene("wheels-in-syrup")
+    motion = solve(scene, scene.times[:51]).trajectory
+    arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": motion.omega_body}
+    spins = {"right": motion.spins, "exchanged": motion.spins[:, ::-1]}
+    found = {
+        name: judged_motion(scene, Recording(Path("wheels.csv"), arrays | {"spins": one}, {}))
+        for name, one in spins.items()
+    }
+    assert found["exchanged"].explained_by == ("spin1 and spin2 are exchanged",)
+    assert not found["right"].is_another
+
+
+def test_of_free_rotors_that_start_elsewhere_no_other_momentum_is_told() -> None:
+    """They keep another momentum as the body that carries them turns otherwise at the start."""
+    tables = SCENE.document.model_dump(mode="json", exclude_none=True)
+    omega = [0.5 * one for one in SCENE.start.omega_body]
+    start = tables["start"] | {"omega_body": omega}
+    other = from_tables(tables | {"start": start}, "otherwise")
+    motion = solve(other, SCENE.times[:51]).trajectory
+    arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": motion.omega_body}
+    (words,) = judged_motion(SCENE, Recording(Path("wheel.csv"), arrays, {})).explained_by
+    assert words.startswith("it started elsewhere: at t = 0 s the attitude is off by 0° and ω by ")
+
+
+def test_spins_that_are_those_of_nothing_are_told() -> None:
+    """No two factors of units are named, though two make nearly any number of them."""
+    found = judged(spins=np.full_like(MOTION.spins, MOTION.spins[0, 0] / 3))
+    (words,) = found.explained_by
+    assert words.startswith("the spins are not those of the motion: they are off by up to ")
 
 
 def test_a_recording_must_have_a_spin_for_each_rotor() -> None:

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from reported_faults import judged
+from library_scenes import library_scene
+from reported_faults import Arrays, judged
 from spincheck.reference import solve
-from spincheck.scenarios import from_tables
+from spincheck.scenarios import Scenario, from_tables
 from spincheck.scenarios.rotation import matrices, turned_back
 
 pytestmark = pytest.mark.slow
@@ -74,6 +75,18 @@ PLANTED = {
         {"com": MOTION.com_world + 0.5 * 9.81 / 2 * np.outer(MOTION.t**2, [0, 0, 1.0])},
         "the com is not that of the motion: it is off by up to 9.81 m, ",
     ),
+    # Its numbers are round, so that few digits show them all.
+    "without gravity": (
+        {"com": MOTION.com_world[0] + np.outer(MOTION.t, V[0])},
+        "the com is not that of the motion: it is off by up to 19.6 m, ",
+    ),
+    "another velocity at the start": (
+        {
+            "com": MOTION.com_world + np.outer(MOTION.t, [0.3, 0, 0]),
+            "velocity": V + np.array([0.3, 0, 0]),
+        },
+        "the com started with another velocity: it is off by 0.3 m/s at t = 0 s",
+    ),
     "half of the velocity": (
         {"velocity": V / 2},
         "the velocity is not that of the motion: it is off by up to ",
@@ -109,3 +122,39 @@ HONEST = {
 @pytest.mark.parametrize("how", HONEST)
 def test_an_honest_translation_is_not_accused(how):
     assert judged(THROWN, RIGHT | HONEST[how], 1e-3).explained_by == ()
+
+
+def exact_of(scene: str) -> tuple[Scenario, Arrays]:
+    """A scene of the library, and its exact motion as it is recorded."""
+    scenario = library_scene(scene)
+    motion = solve(scenario, scenario.times).trajectory
+    names = {"t": "t", "q": "q_world_body_wxyz", "omega": "omega_body", "com": "com_world"}
+    return scenario, {name: np.array(getattr(motion, of)) for name, of in names.items()}
+
+
+@pytest.mark.parametrize("off", [1e-17, np.array([1.0, 2.0, 3.0])])
+def test_a_com_that_rests_at_the_origin_says_nothing_of_units(off):
+    """It is zero in every unit."""
+    scene, arrays = exact_of("tennis-racket")
+    assert not judged(scene, arrays | {"com": arrays["com"] + off}, None).is_another
+
+
+@pytest.mark.parametrize(
+    ("scene", "com"),
+    [
+        ("fast-top", lambda com: np.repeat(com[:1], len(com), axis=0)),
+        ("fast-top", lambda com: com + np.array([1.0, 2.0, 3.0])),
+        ("gliding-top", lambda com: com - np.array([0, 0, 0.1])),
+    ],
+)
+def test_where_a_constraint_holds_it_a_com_follows_from_the_attitude(scene, com):
+    scenario, arrays = exact_of(scene)
+    (words,) = judged(scenario, arrays | {"com": com(arrays["com"])}, None).explained_by
+    assert words.startswith("the com is not that of the motion: it is off by up to ")
+    assert not judged(scenario, arrays, None).is_another
+
+
+def test_along_a_table_a_com_may_be_counted_from_elsewhere():
+    scenario, arrays = exact_of("gliding-top")
+    elsewhere = arrays | {"com": arrays["com"] + np.array([1.0, 2.0, 0.0])}
+    assert not judged(scenario, elsewhere, None).is_another

@@ -40,6 +40,17 @@ def test_the_errors_of_a_constant_rate_are_what_it_is_compared_with() -> None:
     assert not steady(scene, just_finer)
 
 
+@each_case(
+    ("name", "is_steady"),
+    [("tennis-racket", True), ("fast-top", False)],
+)
+def test_a_com_that_moves_uniformly_recommends_nothing_within_bounds_on_it(name, is_steady) -> None:
+    scene = solved(name)
+    assert bool(steady(scene, {"com": 1e-6})) == is_steady
+    if name == "tennis-racket":
+        assert not steady(scene, {"com": 1e-6, "attitude": 1e-3})
+
+
 def choices(stored: Results) -> list[str]:
     scene = next(scene for scene in report_data(stored).scenes if scene.name == TOP)
     return [choice.runs.engine for choice in best_choices(scene)]
