@@ -14,10 +14,11 @@ import pytest
 import typer
 from case_loops import each_case
 from mutated_scenes import LEAST, written
+from spincheck.reference import solve
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.grouped import option
-from spincheck.reports.cli.terminal import BAD_INPUT, Complaint
-from spincheck.scenarios import SIGNALS
+from spincheck.reports.cli.terminal import AGREES, BAD_INPUT, Complaint
+from spincheck.scenarios import SIGNALS, loads
 from typer.models import OptionInfo
 from typer.testing import CliRunner
 
@@ -73,6 +74,13 @@ COMMANDS = {
     for part in (app, *(group.typer_instance for group in app.registered_groups))
     for info in part.registered_commands
 }
+SCENE = loads(written(LEAST), "made")
+MOTION = solve(SCENE, SCENE.times).trajectory
+#: The exact motion, as a recording.
+RECORDED = "t,qw,qx,qy,qz,wx,wy,wz\n" + "".join(
+    ",".join(map(repr, map(float, (t, *q, *omega)))) + "\n"
+    for t, q, omega in zip(MOTION.t, MOTION.q_world_body_wxyz, MOTION.omega_body, strict=True)
+)
 #: No option takes these, whatever it is about.
 INTEGERS = ("-1", "0", "1.5", "x", "", "nan", "1e3")
 NUMBERS = ("nan", "inf", "-inf", "-1", "x", "", "1e400")
@@ -110,13 +118,16 @@ def refusal_of(arguments: list[str]) -> tuple[int, str]:
 
 
 def needed(command: str) -> list[str]:
-    """A value for each argument that must be there."""
-    return ["made.toml" for p in COMMANDS[command] if p.required and not p.flag]
+    """A value for each argument that must be there; all of them can be used."""
+    of_arguments = {"files": "made.csv"}
+    required = [p.name for p in COMMANDS[command] if p.required and not p.flag]
+    return [of_arguments.get(name, "made.toml") for name in required]
 
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
     (tmp_path / "made.toml").write_text(written(LEAST))
+    (tmp_path / "made.csv").write_text(RECORDED)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -151,6 +162,11 @@ def test_an_argument_that_names_nothing_is_reported(command, value):
     code, message = refusal_of([command, *[value] * max(len(needed(command)), 1)])
     assert code == BAD_INPUT, message
     assert "\x1b" not in message
+
+
+def test_without_a_wrong_value_a_recording_is_judged():
+    """Teeth: else its other options would be refused for want of one."""
+    assert refusal_of(["judge", *needed("judge")])[0] == AGREES
 
 
 def test_the_commands_are_found():
