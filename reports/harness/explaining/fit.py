@@ -124,13 +124,19 @@ class Fit:
         """Whether a motion may have been computed with the tensors of inertia of the hypothesis.
 
         They must be positive definite, though a mistake may lead to a tensor that no rigid body
-        has. A fitted tensor must be that of a rigid body, as else the fit only mimics the data.
+        has. A fitted tensor must be that of a rigid body, as else the fit only mimics the data; so
+        do the two rates of a damping, constant and in proportion to ‖ω‖, of opposite signs.
         """
         equations, kinds = self.hypothesis.equations, {change.kind for change in self.changes}
         possible = [np.linalg.eigvalsh(equations.inertia)[0] > 0]
         possible += [is_of_a_body(equations.inertia)] * bool(kinds & FITTED_TENSORS)
         # Of G, which is known up to a multiple of 1, the one nearest I was fitted.
         possible += [is_of_a_body(equations.gyroscopic)] * (GYROSCOPIC_TENSOR in kinds)
+        possible += [
+            float(np.prod(self.parameters_of(one))) >= 0
+            for one in self.changes
+            if one.kind == "decays"
+        ]
         return all(possible)
 
     def columns(self, change: Change) -> slice:

@@ -39,6 +39,16 @@ def test_only_a_fitted_tensor_need_be_of_a_body(kind: str) -> None:
     assert Fit((), of_it, *numbers).is_physical
 
 
+@pytest.mark.parametrize(("rates", "is_damping"), [((0.04, 0.04), True), ((-0.4, 0.08), False)])
+def test_both_rates_of_a_damping_have_one_sign(
+    rates: tuple[float, float], is_damping: bool
+) -> None:
+    change = next(one for one in changes(ONE.scenario) if one.kind == "decays")
+    numbers = np.zeros((2, 2)), np.empty(0), 2, np.empty((0, 2))
+    fit = Fit((change,), as_it_is(ONE.scenario), np.array(rates), *numbers)
+    assert fit.is_physical == is_damping
+
+
 def test_many_numbers_that_leave_nothing_are_no_explanation() -> None:
     class Kept(Search):
         def exceed_noise(self, residuals: np.ndarray) -> bool:
