@@ -5,7 +5,16 @@ import pytest
 from case_loops import each_case
 from library_scenes import library_scene
 from spincheck.reference import solve
-from spincheck.reference.following import EXACT, KNOWN, TURN, Integrator, follow, rates
+from spincheck.reference.following import (
+    APPROXIMATE,
+    ERROR,
+    EXACT,
+    KNOWN,
+    TURN,
+    Integrator,
+    follow,
+    rates,
+)
 from spincheck.reference.other_equations import equations_of
 from spincheck.scenarios.rotation import norms
 
@@ -32,6 +41,20 @@ def states(name: str) -> tuple[np.ndarray, np.ndarray]:
     rate = max(equations.rate, float(np.linalg.norm(scene.start.omega_body)))
     motion = solve(scene, np.linspace(0.0, min(TURNS / rate, scene.window.duration), 7)).trajectory
     return motion.t, np.hstack([motion.q_world_body_wxyz, motion.omega_body])
+
+
+@each_case("name", ["tennis-racket", "discus-wobble", "fast-top", "book-with-drag", "gliding-top"])
+@each_case("turn", [0.05, 0.99 * TURN])
+def test_the_approximate_integrator_has_the_stated_error_a_radian(name: str, turn: float) -> None:
+    equations = equations_of(library_scene(name))
+    _, (first, *_) = states(name)
+    speed = float(np.linalg.norm(first[4:]))
+    spans = np.full((1, round(100 / turn)), turn / (speed + equations.rate))
+    exact, approximate = (
+        follow(equations, first[None], spans, one) for one in (EXACT, APPROXIMATE)
+    )
+    relative = np.array([1.0] * 4 + [1 / speed] * 3)
+    assert 0 < np.abs((approximate - exact) * relative).max() <= 100 * ERROR
 
 
 @each_case("name", SCENES)

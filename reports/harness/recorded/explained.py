@@ -17,7 +17,7 @@ from .fits.read_omega import OMEGA, omega_read
 from .fits.since import since_exactly, since_when
 from .fits.starts import elsewhere
 from .samples.alternation import Alternation, alternation
-from .samples.hinges import spins_beyond
+from .samples.hinges import keeps_momentum_of_start, spins_beyond
 from .samples.intervals import intervals_of
 from .samples.missing import is_omega_off
 from .samples.mistakes import FITS, followed
@@ -253,7 +253,7 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
         words = alternates.of_omega or words
     # Other equations change no state at the scene's start. Free rotors keep another momentum if the
     # body that carries them starts otherwise.
-    is_carried = bool(case.scenario.rotors.is_free.any())
+    is_carried = keeps_momentum_of_start(case.scenario)
     at_start = not physics.exact.t[0] and (physics.is_of_equations or is_carried)
     start = elsewhere(physics) if case.has_omega and (of_method or at_start or not words) else []
     is_tried = bool(start) and (is_carried or not words) and not physics.made_by

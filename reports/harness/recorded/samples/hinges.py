@@ -42,3 +42,8 @@ def spins_beyond(
         f"the spin of rotor {rotor + 1} changes at a rate of {excess[k, rotor] / spans[k, 0]:.3g} "
         f"rad/s² at t = {motion.t[k + 1]:.4g} s beyond what its hinge makes it"
     ]
+
+
+def keeps_momentum_of_start(scenario: Scenario) -> bool:
+    """Whether rotors keep an angular momentum that depends on ω at the start: free hinges."""
+    return bool(scenario.rotors.is_free.any())

@@ -83,7 +83,7 @@ def other_translation(
     # Along axes that a constraint holds the com follows from the attitude, and adds up no error.
     of_held = _largest(exact.velocity_world) * h + lever * attitude_error
     words, later = list[str](), t[:, None] - t[0]
-    flown, held = np.zeros_like(exact.com_world), np.array(scenario.constraint.is_held)
+    flown, is_held = np.zeros_like(exact.com_world), np.array(scenario.constraint.is_held)
     if "velocity" in arrays:
         off, extent = arrays["velocity"] - exact.velocity_world, _largest(exact.velocity_world)
         rounding = rounding_of(arrays["velocity"], SPEEDS, len(t) * step / h)
@@ -98,8 +98,11 @@ def other_translation(
         off, moved = arrays["com"] - exact.com_world, exact.com_world - exact.com_world[0]
         rounding = rounding_of(arrays["com"], LENGTHS, len(t) * step / h)
         is_off = "the com is not that of the motion: it is"
-        for axes, other, allowed in ((held, off, of_held), (~held, off - off[0] - flown, of_com)):
-            extent = _largest(moved[:, axes])
+        # A soft constraint gives way by a part of the lever.
+        for axes, other, allowed, extent in (
+            (is_held, off, of_held, max(lever, _largest(moved[:, is_held]))),
+            (~is_held, off - off[0] - flown, of_com, _largest(moved[:, ~is_held])),
+        ):
             if said := far_off(is_off, "m", other[:, axes], allowed, rounding, extent):
                 return said + words
     return words
