@@ -169,6 +169,13 @@ def test_without_a_wrong_value_a_recording_is_judged():
     assert refusal_of(["judge", *needed("judge")])[0] == AGREES
 
 
+def test_a_timestep_of_more_steps_than_can_be_counted_is_reported_and_nothing_is_begun(folder):
+    code, message = refusal_of(["run", "made.toml", "--timestep", "1e-300"])
+    assert code == BAD_INPUT
+    assert "'--timestep' must be longer" in message
+    assert not list(folder.glob("*.sqlite*"))
+
+
 def test_the_commands_are_found():
     """Teeth: if nothing were read from the application, nothing would be tested."""
     assert {"run", "report", "check", "recommend"} <= COMMANDS.keys()
