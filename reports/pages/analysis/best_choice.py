@@ -12,7 +12,7 @@ from ...results.results import SceneResult
 from .cost_to_reach import Barrier, How, reach
 from .report_data import MethodRuns, SceneRuns
 from .rounding_bias import rounding_bias
-from .wording import number, rounded_down
+from .wording import rounded_down
 from .work_precision import cost, curve_of
 
 #: The largest error allowed in each signal, by its name: attitude in rad, others relative.
@@ -211,16 +211,18 @@ def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
     """
     errors = _errors_of_uniform_motion(solved)
     if bounds and bounds.keys() <= {"com", "velocity"}:
-        if any(errors[name] > TELLING * bound for name, bound in bounds.items()):
-            return ""
-        forecast, off = "com that went on at its velocity at the start", number(errors.com, 2)
+        limits, forecast = bounds, "com that went on at its velocity at the start"
     else:
-        if any(errors[name] > TELLING * bounds.get(name, bound) for name, bound in BOUNDS.items()):
-            return ""
+        limits = {name: bounds.get(name, bound) for name, bound in BOUNDS.items()}
         forecast = "body that went on turning as at the start, at a constant rate about an axis "
-        forecast, off = f"{forecast}that stays,", f"{number(math.degrees(errors.attitude), 2)}°"
+        forecast += "that stays,"
+    worst = max(limits, key=lambda name: errors[name] / limits[name])
+    if errors[worst] > TELLING * limits[worst]:
+        return ""
+    off = within_in_words({worst: errors[worst]})
     return (
-        f"a {forecast} would be {off} off at worst, so that the motion does not tell methods apart"
+        f"a {forecast} would be off by {off} at worst, so that the motion does not tell methods "
+        "apart"
     )
 
 
@@ -234,10 +236,10 @@ def nothing_because(scene: SceneRuns) -> str:
 
 
 def within_in_words(bounds: ErrorBounds) -> str:
-    """Return bounds as users read them: 0.1° in attitude and 0.001 in ω."""
+    """Return bounds, or errors, as users read them: 0.1° in attitude and 0.001 in ω."""
     parts = []
     for name, bound in bounds.items():
-        size = f"{math.degrees(bound):.3g}°" if SIGNAL[name].unit else f"{bound:g}"
+        size = f"{math.degrees(bound):.3g}°" if SIGNAL[name].unit else f"{bound:.3g}"
         parts.append(f"{size} in {SIGNAL[name].label}")
     return " and ".join(parts)
 

@@ -1,6 +1,5 @@
 """What is recommended: a choice an engine, at timesteps people type; nothing if all would do."""
 
-import math
 from dataclasses import replace
 
 from case_loops import each_case
@@ -34,9 +33,9 @@ def test_a_motion_that_a_constant_rate_would_do_for_recommends_nothing(name, is_
 def test_the_errors_of_a_constant_rate_are_what_it_is_compared_with() -> None:
     scene = solved("earth-wobble")
     words = steady(scene, BOUNDS)
-    off = float(words.partition("would be ")[2].partition("°")[0])
-    assert 0 < off < TELLING * math.degrees(BOUNDS["attitude"])
-    just_finer = {"attitude": math.radians(off) / TELLING * 0.9}
+    off = float(words.partition("would be off by ")[2].partition(" in ω")[0])
+    assert 0 < off < TELLING * BOUNDS["omega"]
+    just_finer = {"omega": off / TELLING * 0.9}
     assert not steady(scene, just_finer)
 
 
@@ -49,6 +48,7 @@ def test_a_com_that_moves_uniformly_recommends_nothing_within_bounds_on_it(name,
     assert bool(steady(scene, {"com": 1e-6})) == is_steady
     if name == "tennis-racket":
         assert not steady(scene, {"com": 1e-6, "attitude": 1e-3})
+        assert " in velocity at worst" in steady(scene, {"velocity": 1e-6})
 
 
 def choices(stored: Results) -> list[str]:
