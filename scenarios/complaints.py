@@ -31,6 +31,7 @@ _IN_TOML = {
     "int_from_float": "must be a whole number",
     "string_type": "must be text",
     "string_too_short": "must not be empty",
+    "string_pattern_mismatch": "must be a SHA-256, 64 hexadecimal digits",
 }
 
 
@@ -135,6 +136,8 @@ def _rule(detail: ErrorDetails, keys: Keys) -> str:
         at_most = "at most " if keys[-1] in _TABLE_ARRAYS else ""
         return f"must have {at_most}{most} entries, got {got}: {_shown(detail['input'])}"
     message = _IN_TOML.get(detail["type"]) or detail["msg"].replace("Input should", "must")
+    if detail["type"] == "float_type" and type(detail["input"]) is int:
+        message = "is too large for a double"
     return f"{message}, got {_shown(detail['input'])}"
 
 

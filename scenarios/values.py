@@ -66,7 +66,7 @@ Inertia = Annotated[
 ]
 #: One line of text that a terminal shows as it stands: no escape sequences, no line break.
 Text = Annotated[str, Field(strict=True, min_length=1), AfterValidator(_line)]
-Digest = Annotated[str, Field(strict=True, pattern="^[0-9a-f]{64}$")]
+Digest = Annotated[str, Field(strict=True, pattern="^[0-9a-fA-F]{64}$"), AfterValidator(str.lower)]
 #: Text of any number of lines, without escape sequences.
 Prose = Annotated[str, Field(strict=True), AfterValidator(_prose)]
 

@@ -1,7 +1,10 @@
 """The workflows for GitHub Actions call existing commands with existing options."""
 
+import os
 import re
 import shlex
+import subprocess
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +54,24 @@ def test_it_runs_compares_and_makes_a_report() -> None:
     commands = [call.split()[1] for call in CALLS]
     assert commands == ["check", "run", "compare", "report"]
     assert "--junitxml" in WORKFLOW.read_text(encoding="utf-8")
+
+
+@pytest.mark.processes
+@pytest.mark.parametrize(("code", "is_shown"), [(0, True), (1, True), (2, False)])
+def test_the_summary_is_shown_where_a_verdict_disagrees(
+    code: int, is_shown: bool, tmp_path: Path
+) -> None:
+    """GitHub runs a step by `bash -e`, which ends at the first command that fails."""
+    text = WORKFLOW.read_text(encoding="utf-8")
+    block = text.partition("- name: Summary")[2].partition("run: |\n")[2].partition("      #")[0]
+    command = tmp_path / "spincheck"
+    report = "mkdir spincheck-report; echo '# Report' > spincheck-report/report.md"
+    command.write_text(f"#!/bin/sh\n{report}; exit {code}\n", encoding="utf-8")
+    command.chmod(0o755)
+    paths = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"
+    env = os.environ | {"GITHUB_STEP_SUMMARY": "summary.md", "PATH": paths}
+    subprocess.run(["bash", "-e", "-c", textwrap.dedent(block)], cwd=tmp_path, env=env, check=False)
+    assert (tmp_path / "summary.md").exists() == is_shown
 
 
 def test_what_is_compared_and_shown_is_what_the_run_wrote() -> None:

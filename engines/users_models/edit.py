@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from ..checks.read_back import BodyReading
 from ..models.text import decimals
-from .mjcf import WAYS
+from .mjcf import WAYS, inertials_of
 from .model_file import ModelFile, Span
 from .urdf import ZEROS, Edits
 from .xml_tree import Element, parse_xml, tag_end
@@ -30,14 +30,17 @@ def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark:
     remark : text of a comment before the link's inertial; no comment if empty
     """
     comment = f"<!-- {remark} -->".encode() if remark else b""
-    inertial = element.only("inertial")
-    if inertial is None:
+    inertials = inertials_of(element)
+    if not inertials or inertials[0][1]:
+        # One in a frame is replaced by one of the body's own.
         line = inertial_line(body, model.format).encode()
-        return [_inside(model.data, element, comment + line)]
+        gone = [(inertial.span, b"") for inertial, _ in inertials]
+        return [_inside(model.data, element, comment + line), *gone]
+    inertial, _ = inertials[0]
     edits = _of_urdf(model.data, inertial, body) if model.format == "urdf" else []
     if model.format == "mjcf":
-        gone: dict[str, str | None] = dict.fromkeys(("fullinertia", "diaginertia", *WAYS))
-        edits = [set_attributes(model.data, inertial, gone | _of_mjcf(body))]
+        attributes: dict[str, str | None] = dict.fromkeys(("fullinertia", "diaginertia", *WAYS))
+        edits = [set_attributes(model.data, inertial, attributes | _of_mjcf(body))]
     start = inertial.span[0]
     return [((start, start), comment), *edits] if comment else edits
 

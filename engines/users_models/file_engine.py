@@ -25,8 +25,8 @@ class Advice:
     text : the advice as a sentence
     line : XML that the advice puts into the file; empty if it is about something else
     is_mended : whether newer versions of the engine no longer need the advice
-    concerns : for a refused file, which links the advice is about: those with an "impossible"
-        tensor, or "massless" ones, which move without mass or tensor; else empty
+    concerns : for a refused file, which links the advice is about: those with an "impossible" mass
+        or tensor, or "massless" ones, which move and state no mass or no tensor; else empty
     """
 
     text: str
@@ -61,14 +61,15 @@ class ModelReader(ABC):
     ----------
     formats : the formats of files that it reads
     configurations : the ways in which users let it read a file
-    refusals : what makes the engine accept a file that it refuses, by words in its reason
+    refusals : what makes the engine accept a file that it refuses, by words in its reason: advice
+        for each kind of links that may be the reason
     is_optional : whether it reads files only if the user names it
     """
 
     name: ClassVar[str]
     formats: ClassVar[frozenset[Format]]
     configurations: ClassVar[tuple[Configuration, ...]]
-    refusals: ClassVar[Mapping[str, Advice]] = {}
+    refusals: ClassVar[Mapping[str, tuple[Advice, ...]]] = {}
     is_optional: ClassVar[bool] = False
 
     @property

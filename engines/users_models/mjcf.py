@@ -20,6 +20,15 @@ MAX_BODIES = 10_000
 #: Elements that generate bodies.
 MAKERS = ("attach", "composite", "flexcomp", "flex")
 ZEROS = (0.0, 0.0, 0.0)
+#: Options of the compiler by which MuJoCo holds other bodies than a file states, and what they do.
+CHANGING = {
+    "boundmass": "raises smaller masses",
+    "boundinertia": "raises smaller moments of inertia",
+    "balanceinertia": "replaces the moments of tensors that no body has by their mean",
+    "settotalmass": "scales all masses and tensors",
+}
+#: Least angle, rad, between the two axes of `xyaxes`: with a smaller one, rounding decides.
+LEAST_ANGLE = 1e-9
 
 
 def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tuple[str, ...]]:
@@ -32,12 +41,28 @@ def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tup
         bodies.
     """
     files.check(root)
-    reader = _Reader(root.file, _compiler(root))
+    reader = _Reader(root.file, _compiler(root), notes=changing_options(root))
     for world in root.all("worldbody"):
         reader.read(world, "", Pose())
     if not reader.links:
         root.refuse("<mujoco> has no <body>: there is nothing to inspect")
     return tuple(reader.links), tuple(reader.notes)
+
+
+def changing_options(root: Element) -> list[str]:
+    """Return a sentence on each option by which MuJoCo holds other bodies than a file states.
+
+    Parameters
+    ----------
+    root : the element `mujoco` of an MJCF, or inside a URDF
+    """
+    return [
+        f"{element.where}: MuJoCo's option {key}={shown(element.attributes[key])} {does}; without "
+        "it MuJoCo holds what the file states"
+        for element in root.all("compiler")
+        for key, does in CHANGING.items()
+        if element.attributes.get(key, "false") not in ("false", "0", "-1")
+    ]
 
 
 @dataclass(frozen=True)
@@ -115,13 +140,18 @@ class _Reader:
         if not name:
             self.unnamed += 1
             name = f"(body {self.unnamed})"
-        inertial = element.only("inertial")
-        by_shapes = self.compiler.from_shapes or (inertial is None and _has_shapes(element))
+        inertials = inertials_of(element)
+        if len(inertials) > 1:
+            second, _ = inertials[1]
+            second.refuse(f"a second <inertial> in {element}: engines do not take the same one")
+        by_shapes = self.compiler.from_shapes or (not inertials and _has_shapes(element))
         self.links.append(
             Link(
                 name=name,
                 where=element.where,
-                stated=None if inertial is None or by_shapes else _stated(inertial, self.compiler),
+                stated=None
+                if by_shapes or not inertials
+                else _stated(*inertials[0], self.compiler),
                 parent=parent,
                 pose=frame.then(_pose(element, self.compiler)),
                 moves=any(child.tag in ("joint", "freejoint") for child in element.children),
@@ -156,6 +186,14 @@ class _Reader:
             ]
 
 
+def inertials_of(body: Element) -> list[tuple[Element, tuple[Element, ...]]]:
+    """Return each `inertial` of a body with the frames that it is in, from the outside in."""
+    found: list[tuple[Element, tuple[Element, ...]]] = [(one, ()) for one in body.all("inertial")]
+    for frame in body.all("frame"):
+        found += [(one, (frame, *inner)) for one, inner in inertials_of(frame)]
+    return found
+
+
 def _has_shapes(element: Element) -> bool:
     """Whether an element has a `geom` as a child, or inside its frames and replicates."""
     return any(
@@ -164,12 +202,18 @@ def _has_shapes(element: Element) -> bool:
     )
 
 
-def _stated(inertial: Element, compiler: Compiler) -> Stated:
+def _stated(inertial: Element, frames: tuple[Element, ...], compiler: Compiler) -> Stated:
     """Return mass, com and tensor that an `inertial` states, in the body's frame.
 
     It raises `ModelFileError` if a number is missing or is none.
+
+    Parameters
+    ----------
+    frames : the frames that it is in, from the outside in
     """
-    pose = _pose(inertial, compiler)
+    pose = Pose()
+    for element in (*frames, inertial):
+        pose = pose.then(_pose(element, compiler))
     if "fullinertia" in inertial.attributes:
         xx, yy, zz, xy, xz, yz = inertial.numbers("fullinertia", 6)
         unturned = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -189,7 +233,8 @@ def _rotation(element: Element, compiler: Compiler) -> FloatArray:
     """Return the rotation matrix that an element states in one of five ways, (3, 3).
 
     They are listed in MuJoCo's XML reference, *Frame orientations*. It is the identity if the
-    element states no rotation. `ModelFileError` is raised if it states two, or a vector of zero.
+    element states no rotation. `ModelFileError` is raised if it states two, a vector of zero, or
+    two axes along one line.
     """
     ways = [key for key in WAYS if key in element.attributes]
     if len(ways) > 1:
@@ -198,20 +243,29 @@ def _rotation(element: Element, compiler: Compiler) -> FloatArray:
         return np.eye(3)
     length, rotation = WAYS[ways[0]]
     values = np.array(element.numbers(ways[0], length))
-    if not values.any() and ways[0] != "euler":
-        element.refuse(f"'{ways[0]}' of <{element.tag}> must not be zero")
-    return rotation(values, compiler).as_matrix()
+    try:
+        return rotation(values, compiler).as_matrix()
+    except ValueError as rule:
+        element.refuse(f"'{ways[0]}' of <{element.tag}> {rule}")
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    """Return a vector divided by its length, however small; raise ValueError if it is zero."""
+    largest = np.abs(vector).max()
+    if not largest:
+        raise ValueError("must not be zero")
+    return np.asarray(vector / largest / np.linalg.norm(vector / largest))
 
 
 def _by_quat(values: FloatArray, _: Compiler) -> Rotation:
     """Return the rotation of a quaternion, w x y z."""
-    return Rotation.from_quat(values, scalar_first=True)
+    return Rotation.from_quat(_unit(values), scalar_first=True)
 
 
 def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
     """Return the rotation about an axis, three numbers, by an angle, the fourth."""
-    axis = values[:3] / np.linalg.norm(values[:3])
-    return Rotation.from_rotvec(axis * values[3], degrees=compiler.degrees)
+    turn = np.fmod(values[3], 360.0 if compiler.degrees else 2 * np.pi)
+    return Rotation.from_rotvec(_unit(values[:3]) * turn, degrees=compiler.degrees)
 
 
 def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
@@ -225,15 +279,17 @@ def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
 
 def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
     """Return the rotation with x along the first vector, and the second in the xy plane."""
-    x = values[:3] / np.linalg.norm(values[:3])
-    y = values[3:] - (values[3:] @ x) * x
-    y /= np.linalg.norm(y)
+    x, y = _unit(values[:3]), _unit(values[3:])
+    across = y - (y @ x) * x
+    if np.linalg.norm(across) < LEAST_ANGLE:
+        raise ValueError("must be two axes that are not parallel")
+    y = across / np.linalg.norm(across)
     return Rotation.from_matrix(np.column_stack([x, y, np.cross(x, y)]))
 
 
 def _by_z(values: FloatArray, _: Compiler) -> Rotation:
     """Return the smallest rotation that takes z to a vector; about x if the vector is −z."""
-    x, y, z = values / np.linalg.norm(values)
+    x, y, z = _unit(values)
     sine = np.hypot(x, y)
     axis = np.array([-y / sine, x / sine, 0.0]) if sine else np.array([1.0, 0.0, 0.0])
     return Rotation.from_rotvec(axis * np.arctan2(sine, z))

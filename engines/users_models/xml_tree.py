@@ -6,7 +6,6 @@ Only numbers that every engine reads alike are accepted: PyBullet reads `0,5` as
 for 10, both engines load a mass of `nan`.
 """
 
-import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -40,6 +39,8 @@ MAX_ELEMENTS, MAX_ATTRIBUTES = 1 << 18, 1 << 8
 MAX_NAME, NAMING = 1 << 10, ("name", "sep")
 #: Number of characters of a value that are shown.
 MAX_SHOWN = 60
+#: Largest number: products of three of them can be computed with.
+LARGEST = 1e100
 #: Pattern of an XML declaration, wherever it stands.
 _DECLARATION = re.compile(rb"<\?xml\b[^>]*\?>")
 #: Pattern of one tag; '>' may stand in quotes.
@@ -111,7 +112,7 @@ class Element:
     def numbers(
         self, key: str, length: int | None = None, default: Sequence[float] | None = None
     ) -> tuple[float, ...]:
-        """Return the finite numbers of an attribute.
+        """Return the numbers of an attribute, of which none is larger than `LARGEST`.
 
         Parameters
         ----------
@@ -122,7 +123,8 @@ class Element:
         Raises
         ------
         ModelFileError
-            If the attribute is missing without a default, or has not `length` decimal numbers.
+            If the attribute is missing without a default, has not `length` decimal numbers, or one
+            that is too large.
         """
         text = self.attributes.get(key)
         if text is None:
@@ -131,10 +133,14 @@ class Element:
             return tuple(default)
         parts = text.split()
         for part in parts:
-            if not _NUMBER.fullmatch(part) or not math.isfinite(float(part)):
+            if not _NUMBER.fullmatch(part):
                 self.refuse(
                     f"'{key}' of <{self.tag}> must be decimal numbers, got {shown(part)}"
                     f"{_why(part)}"
+                )
+            if abs(float(part)) > LARGEST:
+                self.refuse(
+                    f"'{key}' of <{self.tag}> must be numbers up to {LARGEST:g}, got {shown(part)}"
                 )
         if length not in (None, len(parts)):
             count = "one number" if length == 1 else f"{length} numbers"
@@ -215,7 +221,7 @@ def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
         root = _Builder(file, data).root
     except expat.ExpatError as error:
         if expat.errors.messages[error.code] not in _OF_DECLARATIONS:
-            raise _not_xml(error, file) from None
+            raise _not_xml(error, file, data) from None
         notes.append(
             f"{file}:{error.lineno}: this XML declaration breaks the standard; engines read over "
             "it, standard parsers refuse the file"
@@ -223,7 +229,7 @@ def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
         try:
             root = _Builder(file, _DECLARATION.sub(lambda m: b" " * len(m[0]), data)).root
         except expat.ExpatError as again:
-            raise _not_xml(again, file) from None
+            raise _not_xml(again, file, data) from None
     return root, notes + _unbound_prefixes(root)
 
 
@@ -245,10 +251,14 @@ def read_bytes(path: Path, limit: int = LARGEST_MODEL) -> bytes:
     return data
 
 
-def _not_xml(error: expat.ExpatError, file: str) -> ModelFileError:
-    """Return the error for a file that expat cannot read, with line and reason."""
-    message = expat.errors.messages[error.code]
-    return ModelFileError(f"{file}:{error.lineno}: not well-formed XML: {message}")
+def _not_xml(error: expat.ExpatError, file: str, data: bytes) -> ModelFileError:
+    """Return the error for a file of given bytes that expat cannot read, with line and reason."""
+    rule = f"not well-formed XML: {expat.errors.messages[error.code]}"
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        rule = "must be a text in UTF-8, the only encoding that is read"
+    return ModelFileError(f"{file}:{error.lineno}: {rule}")
 
 
 def tag_end(data: bytes, start: int) -> int:

@@ -40,6 +40,7 @@ from .scenes.scene_commands import app as scene_commands
 from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
 from .terminal import (
     Complaint,
+    command,
     escape_what_turns_text,
     refusal,
     say,
@@ -206,7 +207,7 @@ def run(
         every = verdict_lines(results.verdicts) if verbose else ()
         for line in (*every, *short_summary(results, timestep or [])):
             print(line)
-        say(f"Results are in {out}; 'spincheck report {out}' makes pages of them.")
+        say(f"Results are in {out}; '{command('report', out)}' makes pages of them.")
         if unproven := running.unproven_in_words(results):
             say(unproven)
     running.say_where_motions_end(results)
@@ -226,7 +227,8 @@ def report(
 ) -> None:
     """Make HTML and Markdown pages of a result file.
 
-    A button on each figure saves it as SVG.
+    A button on each figure saves it as SVG. Exit code 1: a verdict in the file
+    disagrees or failed; the pages are written all the same.
     """
     from ..pages.render import render
     from .run import running

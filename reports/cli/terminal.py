@@ -3,6 +3,7 @@
 import errno
 import json
 import math
+import shlex
 import sys
 import textwrap
 import time
@@ -27,6 +28,11 @@ class Complaint(Exception):
     def __init__(self, message: str, exit_code: int = BAD_INPUT) -> None:
         super().__init__(message)
         self.exit_code = exit_code
+
+
+def command(name: str, path: Path) -> str:
+    """Return a command of spincheck on a file, quoted as a shell needs it."""
+    return shlex.join(["spincheck", name, str(path)])
 
 
 @contextmanager

@@ -29,7 +29,7 @@ IN_ANY_ENGINE = {
         '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial>',
     ),
     "no tensor": Advice("state their tensors: the file has a mass alone"),
-    "zero": Advice("correct their tensors in the file: no body has them"),
+    "zero": Advice("correct their masses and tensors in the file: no body has them"),
     "rotation lost": Advice("write the tensor along the link's axes, without 'rpy'", "", True),
 }
 
@@ -218,20 +218,27 @@ def configuration_of(engine: str, name: str) -> Configuration:
 
 #: Words for the links that the advice about a refused file concerns.
 _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
-    "impossible": lambda one: not one.is_possible,
-    "massless": lambda one: one.link.moves and not one.link.has_inertia,
+    "impossible": lambda one: not one.is_possible and not _is_massless(one),
+    "massless": lambda one: _is_massless(one),
 }
+
+
+def _is_massless(one: InspectedLink) -> bool:
+    """Whether a link moves and states no mass, or no tensor, without a fault besides."""
+    lacks = one.link.moves and not one.link.has_inertia and not one.link.by_shapes
+    return lacks and all(problem.kind == "zero tensor" for problem in one.problems)
 
 
 def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
     """Yield what has to change for an engine to accept a file that it refuses."""
     for (engine, configuration), reason in inspection.refusals.items():
         refusals = model_readers()[engine.partition("@")[0]].refusals
-        advice = next((one for phrase, one in refusals.items() if phrase in reason), None)
-        if advice is not None:
+        each = next((each for phrase, each in refusals.items() if phrase in reason), ())
+        for advice in each:
             concerned = _CONCERNED[advice.concerns]
             links = tuple(one.link.name for one in inspection.links if concerned(one))
-            yield Finding((f"{engine} {configuration}",), links, advice.text, advice.line)
+            if links or len(each) == 1:
+                yield Finding((f"{engine} {configuration}",), links, advice.text, advice.line)
 
 
 def _of_differences(inspection: Inspection) -> Iterator[Finding]:

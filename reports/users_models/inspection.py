@@ -48,6 +48,8 @@ omega_body = {}
 duration = 3.0
 samples = 2
 """
+#: Largest angle, rad, by which rounding alone puts two such motions apart.
+ROUNDING = 1e-10
 #: CPU time for one engine to read one file with its meshes, s; the largest files take a few
 #: seconds.
 READ_LIMIT = 60.0
@@ -318,7 +320,8 @@ def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> Fl
 
     Parameters
     ----------
-    stated, got : tensors about the com in the link's axes, (3, 3); a common factor has no effect
+    stated, got : tensors about the com in the link's axes, (3, 3); a common factor has no effect,
+        and an angle that rounding explains is zero
     times : s, (n,), at most 3 s, the duration of the scene
 
     Returns
@@ -327,7 +330,10 @@ def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> Fl
     """
     omega = np.linalg.eigh(stated)[1] @ START
     one, other = (_attitudes(tensor, omega, times) for tensor in (stated, got))
-    return None if one is None or other is None else np.asarray((one.inv() * other).magnitude())
+    if one is None or other is None:
+        return None
+    angles = (one.inv() * other).magnitude()
+    return np.where(angles > ROUNDING, angles, 0.0)
 
 
 def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rotation | None:

@@ -15,7 +15,7 @@ _WHERE = ("effects", "torque")
 
 
 class TorqueTable(EffectTable):
-    """A constant torque, in body axes or in world axes."""
+    """A constant torque: either `body` or `world` must be stated, and not both."""
 
     EXAMPLE: ClassVar[str] = (
         "body = [0.0, 0.0, 1e-3]          # N m, in body axes; or world = […]\n"

@@ -63,6 +63,14 @@ def test_it_is_a_scene(text):
 REFUSED = {
     # numbers
     "negative": ((MASS[0], "mass = -2"), r":5: \[body\] mass: .* greater than 0, got -2"),
+    "huge": (
+        (MASS[0], f"mass = 1{400 * '0'}"),
+        r":5: \[body\] mass: is too large for a double, got 1000",
+    ),
+    "no digest": (
+        (MASS[0], f'{MASS[0]}\nsha256 = "zz"'),
+        r"sha256: must be a SHA-256, 64 hexadecimal digits, got 'zz'",
+    ),
     "no duration": (("duration = 1.0", "duration = 0"), r"\[window\] duration: .* greater than 0"),
     "one sample": (
         ("samples = 5", "samples = 1"),

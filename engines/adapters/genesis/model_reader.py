@@ -17,7 +17,7 @@ from .caches import kernels_kept
 UNMERGED = "unmerged"
 #: Mass, kg, of links that have none: Genesis gives them the relative ulp of single precision.
 PLACEHOLDER = float(np.finfo(np.float32).eps)
-IMPOSSIBLE = Advice("correct the tensors that no body has", concerns="impossible")
+IMPOSSIBLE = Advice("correct the masses and tensors that no body has", concerns="impossible")
 
 
 @final
@@ -34,7 +34,7 @@ class GenesisModelReader(ModelReader):
         Configuration("as-is", "gs.morphs.URDF or MJCF, their axes kept (align = False)"),
         Configuration(UNMERGED, "the same with merge_fixed_links = False, of a URDF"),
     )
-    refusals = MappingProxyType({"A+B>=C": IMPOSSIBLE, "not positive definite": IMPOSSIBLE})
+    refusals = MappingProxyType({"A+B>=C": (IMPOSSIBLE,), "not positive definite": (IMPOSSIBLE,)})
 
     @property
     def version(self) -> str:

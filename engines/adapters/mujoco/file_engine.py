@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, final
 
 import mujoco
-from spincheck.engine import Method, Release, Scenario
+from spincheck.engine import EngineError, Method, Release, Scenario
 
 from ...models.mjcf import switched_off
 from ...users_models import FileEngine, UsersLink, body_alone, users_link
@@ -83,7 +83,18 @@ def _alone(whole: Any, users: UsersLink) -> Any:
     Parameters
     ----------
     whole : the editable model of the whole file, whose options become the defaults
+
+    Raises
+    ------
+    EngineError
+        If the file states the total mass of the model: it determines no mass of a link alone.
     """
+    if whole.compiler.settotalmass > 0:
+        raise EngineError(
+            "the file's compiler option 'settotalmass' scales the mass and tensor of the link with "
+            "those of the whole model: 'spincheck inspect' shows by how much; take it away",
+            "body",
+        )
     spec = mujoco.MjSpec()
     # Versions from 4.0.0 on warn if options differ; none of the file's options is part of the body.
     for name in (name for name in dir(spec.option) if not name.startswith("_")):

@@ -14,7 +14,12 @@ from .coordinates import WORLD, one_body
 
 #: File endings of the meshes that MuJoCo reads.
 MESHES = frozenset((".obj", ".stl", ".msh"))
-IMPOSSIBLE = Advice("correct the tensors that no body has", concerns="impossible")
+IMPOSSIBLE = Advice("correct the masses and tensors that no body has", concerns="impossible")
+MASSLESS = Advice(
+    "give links that move a mass and a tensor; this option gives them small ones",
+    '<mujoco><compiler boundmass="1e-6" boundinertia="1e-9"/></mujoco>',
+    concerns="massless",
+)
 FUSED = Advice(
     "keep links from being fused",
     '<mujoco><compiler fusestatic="false"/></mujoco>',
@@ -38,13 +43,9 @@ class MuJoCoModelReader(ModelReader):
     )
     refusals = MappingProxyType(
         {
-            "A + B >= C": IMPOSSIBLE,
-            "positive eigenvalues": IMPOSSIBLE,
-            "mjMINVAL": Advice(
-                "give links that move a mass and a tensor; this option gives them small ones",
-                '<mujoco><compiler boundmass="1e-6" boundinertia="1e-9"/></mujoco>',
-                concerns="massless",
-            ),
+            "A + B >= C": (IMPOSSIBLE,),
+            "positive eigenvalues": (IMPOSSIBLE,),
+            "mjMINVAL": (MASSLESS, IMPOSSIBLE),
         }
     )
 

@@ -32,6 +32,7 @@ from ..terminal import (
     NOT_RUN,
     Complaint,
     as_complaint,
+    command,
     progress,
     say,
     table,
@@ -184,7 +185,7 @@ def print_ensembles(swept: Sequence[EnsembleResult], out: Path, as_json: bool) -
     for one in swept:
         print_ensemble(one)
     say(
-        f"Runs are in {out}; 'spincheck report {out}' draws them. 'spincheck show SCENE --toml "
+        f"Runs are in {out}; '{command('report', out)}' draws them. 'spincheck show SCENE --toml "
         "--member N' prints the scene of one."
     )
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ..options import AsJson, Scene, Scenes, Seed
-from ..terminal import DISAGREES, Complaint, table, to_json, written
+from ..terminal import DISAGREES, Complaint, command, table, to_json, written
 
 app = typer.Typer()
 
@@ -53,7 +53,7 @@ def new(name: Annotated[str, typer.Argument(metavar="NAME", help="The scene's na
     from .scene import new_scene
 
     path = new_scene(name)
-    print(f"{path} is written. Edit it, then: spincheck run {path}")
+    print(f"{path} is written. Edit it, then: {command('run', path)}")
 
 
 @app.command(epilog="Example: spincheck show fast-top --toml")

@@ -90,6 +90,14 @@ def test_a_link_that_the_file_has_not_is_reported(tmp_path):
     assert done.reason == "'../robot.urdf' has no link 'leg'"
 
 
+def test_of_a_model_whose_total_mass_is_stated_no_link_alone_is_run(tmp_path):
+    """What MuJoCo scales all links by follows from all of them."""
+    text = HUNG.replace("<worldbody>", '<compiler settotalmass="20"/><worldbody>')
+    done = run("mujoco-file", scene_of(tmp_path, text, "robot.xml"))
+    assert (done.outcome, done.cause) == ("failed", "body")
+    assert done.reason.startswith("the file's compiler option 'settotalmass' scales the mass and ")
+
+
 def test_none_is_asked_about_scenes_without_a_file_or_of_a_format_that_it_cannot_read(tmp_path):
     asked = {name: engines()[name].applies_to for name in FILE_ENGINES}
     assert not any(applies(scene) for applies in asked.values() for scene in library())

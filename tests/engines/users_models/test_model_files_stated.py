@@ -28,6 +28,12 @@ def of_mjcf(rotation, compiler=""):
     return arm_of_mjcf(f'<inertial mass="2" diaginertia="1 2 2.5" {rotation}/>', compiler)
 
 
+def in_frames(rotation):
+    """An `inertial` 3 m along y from the origin of a frame that is turned upside down about z."""
+    inner = f'<inertial mass="2" pos="0 3 0" diaginertia="1 2 2.5" {rotation}/>'
+    return arm_of_mjcf(f'<frame pos="1 0 0"><frame quat="0 0 0 1">{inner}</frame></frame>')
+
+
 #: Angles and their sequence are the compiler's.
 FIXED_AXES = '<compiler angle="radian" eulerseq="XYZ"/>'
 #: Texts, and com and moments that they state. In a URDF roll comes first, about fixed axes: it
@@ -44,6 +50,13 @@ TURNED = [
     (of_mjcf('zaxis="0 0 -1"'), [0, 0, 0], [1, 2, 2.5]),
     (of_mjcf('euler="90 90 0"'), [0, 0, 0], [2.5, 1, 2]),
     (of_mjcf(f'euler="{QUARTER} {QUARTER} 0"', FIXED_AXES), [0, 0, 0], [2, 2.5, 1]),
+    # Vectors of any length.
+    (of_mjcf('quat="1e-200 1e-200 0 0"'), [0, 0, 0], [1, 2.5, 2]),
+    (of_mjcf('axisangle="0 0 1e-320 90"'), [0, 0, 0], [2, 1, 2.5]),
+    (of_mjcf('axisangle="0 0 2 3.6e20"'), [0, 0, 0], [1, 2, 2.5]),
+    (of_mjcf('xyaxes="0 1e-200 0 -1e90 1e90 0"'), [0, 0, 0], [2, 1, 2.5]),
+    (of_mjcf('zaxis="0 1e-200 0"'), [0, 0, 0], [1, 2.5, 2]),
+    (in_frames("zaxis='0 1 0'"), [1, -3, 0], [1, 2.5, 2]),
 ]
 
 

@@ -195,11 +195,27 @@ REFUSED = {
         body(f'<replicate count="9" sep="{"a" * 10**6}"><body/></replicate>')
     ),
     "1: links hang on each other more than 256 deep": f"<robot>{CHAIN}</robot>",
-    "3: the inertia is too large to be computed with": arm(diagonal("1e308", "1e308", "1e308")),
+    **{
+        f"3: 'value' of <mass> must be numbers up to 1e+100, got '{mass}'": arm(mass=mass)
+        for mass in ("1e101", "-1e308", "1e999")
+    },
+    **{
+        f"1: '{way}' of <inertial> {rule}": body(
+            f'<inertial mass="1" diaginertia="1 1 1" {way}="{numbers}"/>'
+        )
+        for way, numbers, rule in (
+            ("quat", "0 0 0 0", "must not be zero"),
+            ("axisangle", "0 0 0 40", "must not be zero"),
+            ("xyaxes", "0 0 0 0 1 0", "must not be zero"),
+            ("xyaxes", "1 0 0 0 0 0", "must not be zero"),
+            ("xyaxes", "1 0 0 -2 0 0", "must be two axes that are not parallel"),
+            ("zaxis", "0 0 0", "must not be zero"),
+        )
+    },
     **{
         f"3: 'value' of <mass> must be decimal numbers, got '{number}': {why}": arm(mass=number)
         for why, numbers in {
-            "engines do not read it alike": ("1_0", "nan", "inf", "1e999", "0x10", "٣"),
+            "engines do not read it alike": ("1_0", "nan", "inf", "0x10", "٣"),
             "engines stop reading at the comma": ("0,5",),
             "it is xacro, expand the file first": ("${m}",),
         }.items()
@@ -229,6 +245,9 @@ REFUSED = {
     ),
     "2: a second <inertial> in <link name='a'>: engines do not take the same one": (
         robot(link("a", inertial() + inertial()))
+    ),
+    "1: a second <inertial> in <body name='arm'>: engines do not take the same one": (
+        body(f"{2 * '<frame><inertial mass=_1_ diaginertia=_1 1 1_/></frame>'}".replace("_", '"'))
     ),
     "2: <inertial> lacks <inertia>: engines do not fill in the same": (
         robot(link("a", '<inertial><mass value="1"/></inertial>'))
@@ -275,3 +294,10 @@ def test_a_file_in_another_encoding_is_refused_as_engines_do(tmp_path, encoding)
     path = tmp_path / "robot.urdf"
     path.write_bytes(robot(link("a", inertial())).encode(encoding))
     assert refusal(path) == "FILE: must be a text in UTF-8, no engine reads UTF-16 or zeros"
+
+
+def test_a_file_in_latin_1_is_said_not_to_be_in_utf_8(tmp_path):
+    path = tmp_path / "robot.urdf"
+    declared = '<?xml version="1.0" encoding="ISO-8859-1"?>\n'
+    path.write_bytes((declared + robot(link("fuß", inertial()))).encode("latin-1"))
+    assert refusal(path) == "FILE:3: must be a text in UTF-8, the only encoding that is read"

@@ -1,5 +1,7 @@
 """Tables on a narrow terminal: nothing is wider, and no number is cut."""
 
+import shlex
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,6 +26,12 @@ def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
 def printed(rows: list[dict[str, object]], capsys: pytest.CaptureFixture[str]) -> str:
     terminal.table(rows)
     return capsys.readouterr().out
+
+
+def test_a_command_to_copy_is_quoted() -> None:
+    words = terminal.command("report", Path("a dir é/r s.sqlite"))
+    assert shlex.split(words) == ["spincheck", "report", "a dir é/r s.sqlite"]
+    assert terminal.command("run", Path("my-top.toml")) == "spincheck run my-top.toml"
 
 
 @pytest.mark.usefixtures("narrow")

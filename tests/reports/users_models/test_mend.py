@@ -208,6 +208,15 @@ def test_a_place_that_mujoco_asks_for_is_written(tmp_path):
     assert (before.is_well, after.is_well) == (False, True)
 
 
+def test_an_inertial_in_a_frame_becomes_the_bodys_own(tmp_path):
+    inner = f'<frame pos="1 0 0" euler="10 20 30">{TURNED}</frame>'
+    before, after, changes, _ = mend(tmp_path, body(f"<freejoint/>{inner}"), "robot.xml")
+    assert changes == ["arm: tensor written along the link's axes, without a rotation"]
+    assert (wrong(before), wrong(after)) == ({}, {})
+    assert np.abs(tensor(after, "arm") - tensor(before, "arm")).max() <= EPS
+    assert b'<frame pos="1 0 0" euler="10 20 30"></frame>' in after.model.data
+
+
 def test_what_an_mjcf_has_from_its_shapes_is_stated(tmp_path):
     inner = f'<freejoint/>{TURNED}<geom size="0.1 0.2" type="capsule" euler="0.1 0 0"/>'
     tip = '<body name="tip"><geom size="1"/></body>'

@@ -14,6 +14,8 @@ from users_models import TENSOR, arm, arm_with_a_tool, diagonal, inertial, link,
 
 pytest.importorskip("pybullet")
 EPS = float(np.finfo(float).eps)
+#: What MuJoCo's refusal of an impossible mass or tensor is followed by.
+CORRECT = "correct the masses and tensors that no body has"
 
 
 def inspected(folder, text):
@@ -64,14 +66,37 @@ def test_an_option_has_mujoco_take_links_without_a_tensor(tmp_path):
 def test_a_tensor_that_no_body_has_is_to_be_corrected(tmp_path, moments):
     inspection = inspected(tmp_path, arm(diagonal(*moments)))
     (remedy,) = remedies_of(inspection, "mujoco as-is")
-    assert (remedy.text, remedy.names) == ("correct the tensors that no body has", ("arm",))
+    assert (remedy.text, remedy.names) == (CORRECT, ("arm",))
     of_bullet = remedies_of(inspection, "pybullet inertia-from-file")
-    corrected = ("correct their tensors in the file: no body has them", ("arm",))
+    corrected = ("correct their masses and tensors in the file: no body has them", ("arm",))
     assert corrected in [(one.text, one.names) for one in of_bullet]
     # That for several configurations is reported once.
     lines = [(one.text, one.names) for one in remedies(inspection)]
     assert len(lines) == len(set(lines))
     assert ("mujoco as-is", "mujoco unfused") in [one.who for one in remedies(inspection)]
+
+
+@pytest.mark.parametrize("mass", ["-1", "0"])
+def test_no_option_hides_a_mass_that_no_body_has(tmp_path, mass):
+    """MuJoCo refuses it in the words in which it refuses a link without a mass."""
+    inspection = inspected(tmp_path, arm(mass=mass))
+    (remedy,) = remedies_of(inspection, "mujoco as-is")
+    assert (remedy.text, remedy.names, remedy.line) == (CORRECT, ("arm",), "")
+
+
+# From 4.0.0 on, MuJoCo warns of the option.
+@pytest.mark.filterwarnings("ignore:compiler attribute 'settotalmass' is deprecated")
+def test_a_tensor_scaled_as_a_whole_moves_alike_and_the_option_that_scales_it_is_named(tmp_path):
+    option = '<mujoco><compiler settotalmass="7"/></mujoco>'
+    scaled = inspected(tmp_path, arm().replace('name="made-up">', f'name="made-up">{option}'))
+    held = next(one for one in scaled.links if one.link.name == "arm").readings[1]
+    assert (held.who, held.agrees) == ("mujoco unfused", False)
+    assert held.attitude_apart_deg == {1.0: 0.0, 3.0: 0.0}
+    (note,) = [one for one in scaled.model.notes if "settotalmass" in one]
+    assert note.endswith(
+        "MuJoCo's option settotalmass='7' scales all masses and tensors; without it MuJoCo holds "
+        "what the file states"
+    )
 
 
 def test_the_line_without_a_rotation_states_the_same_tensor(tmp_path):
@@ -103,7 +128,7 @@ def test_an_optional_reader_reads_only_if_it_is_named(monkeypatch):
 
 def test_an_engine_of_any_name_brings_its_own_advice(tmp_path, monkeypatch):
     advice = Advice("weigh them down", concerns="massless")
-    reader = SimpleNamespace(refusals={"too light": advice})
+    reader = SimpleNamespace(refusals={"too light": (advice,)})
     monkeypatch.setattr(findings, "model_readers", lambda: {"stranger": reader})
     model = read_model(written(tmp_path, arm()))
     refused = {("stranger@2.0", "as-is"): "a link is too light"}
