@@ -5,6 +5,7 @@ gains of an engine's steps, and recorded motions.
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from itertools import permutations, product
 from typing import Any
 
@@ -19,6 +20,7 @@ from .effect_changes import com, lever, mean_moment, of_effects, of_momentum
 from .hypothesis import Change, Hypothesis, as_it_is, factors, fitted, set_to
 from .other_tensors import (
     about_conjugated_axes,
+    is_of_a_body,
     other_tensors,
     tensor_entries,
     tensor_of_entries,
@@ -30,11 +32,6 @@ from .other_tensors import (
 #: differ, rates are in the order x, y, z. The convention zxz is left out, as its rates are those of
 #: zyz.
 EULER_ANGLES = (*permutations(range(3)), (2, 1, 2))
-#: Kinds of changes that fit a tensor of inertia, and one that fits G of the torque ω × Gω.
-FITTED_TENSORS = {
-    f"{kind}{how}" for kind in ("moments", "box", "tensor") for how in ("", UP_TO_A_FACTOR)
-}
-GYROSCOPIC_TENSOR = "gyroscopic tensor"
 #: Which components of a vector are taken for its x, y and z: 1 to 3, negative for the other sign.
 #: The vector itself and its negative are left out.
 OTHER_COMPONENTS = [
@@ -116,8 +113,13 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         yield set_to(kind, **terms)
         yield set_to(f"{kind}, not gyroscopic", **{**terms, "gyroscopic": 0 * inertia})
     yield set_to("tensor turned on", tensor_turns=2)
-    # As ω × cω is zero, G is known up to a multiple of 1.
-    yield _with_trace(GYROSCOPIC_TENSOR, inertia, lambda h, G: h.of(gyroscopic=G))
+    # As ω × cω is zero, G is known up to a multiple of 1: that nearest I is fitted.
+    yield _with_trace(
+        "gyroscopic tensor",
+        inertia,
+        lambda h, G: h.of(gyroscopic=G),
+        lambda h, _: is_of_a_body(h.equations.gyroscopic),
+    )
 
 
 def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
@@ -129,10 +131,20 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
     yield from com(scenario, e)
     yield from lever(e)
     yield from (_with_entry(e, at) for at in range(6))
-    yield fitted(f"moments{how}", moments, size, lambda h, n: h.of_tensor((axes * n) @ axes.T))
-    yield fitted(f"box{how}", np.diag(e.inertia), size, lambda h, n: h.of_tensor(np.diag(n)))
+    for kind, nominal, frame in ("moments", moments, axes), ("box", np.diag(e.inertia), np.eye(3)):
+        yield fitted(f"{kind}{how}", nominal, size, partial(_with_moments, frame), has_tensor)
     yield fitted("rotated tensor", np.zeros(3), 1.0, _rotated_tensor)
     yield tensor(e)
+
+
+def has_tensor(h: Hypothesis, _: FloatArray) -> bool:
+    """Whether the tensor of inertia of a hypothesis is that of a rigid body."""
+    return is_of_a_body(h.equations.inertia)
+
+
+def _with_moments(axes: FloatArray, h: Hypothesis, moments: FloatArray) -> Hypothesis:
+    """Return a hypothesis with given principal moments, kg m², (3,), about given axes, (3, 3)."""
+    return h.of_tensor((axes * moments) @ axes.T)
 
 
 def _scaled_tensor(h: Hypothesis, n: FloatArray) -> Hypothesis:
@@ -161,13 +173,22 @@ def _rotated_tensor(h: Hypothesis, turn: FloatArray) -> Hypothesis:
 def tensor(e: OtherEquations) -> Change:
     """The change that fits the whole tensor, with a fixed trace if no torque shows its scale."""
     if not is_scaled(e):
-        return _with_trace(f"tensor{UP_TO_A_FACTOR}", e.inertia, Hypothesis.of_tensor)
+        of_body = Hypothesis.of_tensor, has_tensor
+        return _with_trace(f"tensor{UP_TO_A_FACTOR}", e.inertia, *of_body)
     entries = tensor_entries(e.inertia)
-    return fitted("tensor", entries, mean_moment(e), lambda h, n: h.of_tensor(tensor_of_entries(n)))
+    return fitted(
+        "tensor",
+        *(entries, mean_moment(e)),
+        lambda h, n: h.of_tensor(tensor_of_entries(n)),
+        has_tensor,
+    )
 
 
 def _with_trace(
-    kind: str, nominal: FloatArray, apply: Callable[[Hypothesis, FloatArray], Hypothesis]
+    kind: str,
+    nominal: FloatArray,
+    apply: Callable[[Hypothesis, FloatArray], Hypothesis],
+    is_possible: Callable[[Hypothesis, FloatArray], bool],
 ) -> Change:
     """The change that fits a tensor with a fixed trace, by all entries but the first.
 
@@ -175,7 +196,7 @@ def _with_trace(
     ----------
     nominal : the tensor without the change, kg m², (3, 3)
     apply : puts the changed tensor into a hypothesis
-    kind : as in `Change`
+    kind, is_possible : as in `Change`
     """
     entries = tensor_entries(nominal)
 
@@ -183,7 +204,11 @@ def _with_trace(
         return np.asarray(entries + np.array([-n[0] - n[1], *n]))
 
     sizes = np.full(5, float(np.trace(nominal)) / 3)
-    return Change(kind, lambda h, n: apply(h, tensor_of_entries(changed(n))), sizes, changed)
+
+    def with_tensor(h: Hypothesis, n: FloatArray) -> Hypothesis:
+        return apply(h, tensor_of_entries(changed(n)))
+
+    return Change(kind, with_tensor, sizes, changed, is_possible)
 
 
 def is_scaled(e: OtherEquations) -> bool:

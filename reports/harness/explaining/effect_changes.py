@@ -84,7 +84,13 @@ def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
             *(none[:1], rate),
             lambda h, n: h.of(slowing=np.array([0.0, n[0], 0.0])),
         )
-    yield fitted("decays", none, np.array([rate, 1.0]), lambda h, n: _with_drag(h, 0.0, *n))
+    # A damping has no rates of opposite signs, a constant one and one in proportion to ‖ω‖.
+    yield fitted(
+        "decays",
+        *(none, np.array([rate, 1.0])),
+        lambda h, n: _with_drag(h, 0.0, *n),
+        lambda _, n: float(np.prod(n)) >= 0,
+    )
 
 
 def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None) -> Change:

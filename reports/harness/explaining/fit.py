@@ -17,9 +17,7 @@ from scipy.optimize import least_squares
 
 from ....scenarios import FloatArray
 from ...results.evidence import Explanation
-from .changes import FITTED_TENSORS, GYROSCOPIC_TENSOR
 from .hypothesis import Change, Hypothesis
-from .other_tensors import is_of_a_body
 
 #: The residual where a hypothesis leads to nan: no motion is that far off.
 NOT_FINITE = 1e30
@@ -121,23 +119,16 @@ class Fit:
 
     @property
     def is_physical(self) -> bool:
-        """Whether a motion may have been computed with the tensors of inertia of the hypothesis.
+        """Whether a motion may have been computed with these changes and parameters.
 
-        They must be positive definite, though a mistake may lead to a tensor that no rigid body
-        has. A fitted tensor must be that of a rigid body, as else the fit only mimics the data; so
-        do the two rates of a damping, constant and in proportion to ‖ω‖, of opposite signs.
+        The tensor of inertia must be positive definite, though a mistake may lead to one that no
+        rigid body has. What else is possible each change states (`Change.is_possible`).
         """
-        equations, kinds = self.hypothesis.equations, {change.kind for change in self.changes}
-        possible = [np.linalg.eigvalsh(equations.inertia)[0] > 0]
-        possible += [is_of_a_body(equations.inertia)] * bool(kinds & FITTED_TENSORS)
-        # Of G, which is known up to a multiple of 1, the one nearest I was fitted.
-        possible += [is_of_a_body(equations.gyroscopic)] * (GYROSCOPIC_TENSOR in kinds)
-        possible += [
-            float(np.prod(self.parameters_of(one))) >= 0
-            for one in self.changes
-            if one.kind == "decays"
-        ]
-        return all(possible)
+        if not np.linalg.eigvalsh(self.hypothesis.equations.inertia)[0] > 0:
+            return False
+        parameters = map(self.parameters_of, self.changes)
+        each = zip(self.changes, parameters, strict=True)
+        return all(change.is_possible(self.hypothesis, fitted) for change, fitted in each)
 
     def columns(self, change: Change) -> slice:
         """The indices of one change's parameters among all parameters."""

@@ -69,12 +69,15 @@ class Change:
     apply : makes the change in a hypothesis, with given parameters, (k,); zeros change nothing
     scales : values of the parameters with which the change is neither small nor large, (k,)
     shown : computes the numbers that the words of the change state from the parameters
+    is_possible : whether a motion may have been computed with given parameters, and in the
+        hypothesis that they lead to; with others a fit only mimics the data
     """
 
     kind: str
     apply: Callable[[Hypothesis, FloatArray], Hypothesis]
     scales: FloatArray
     shown: Callable[[FloatArray], Sequence[float] | FloatArray] = np.asarray
+    is_possible: Callable[[Hypothesis, FloatArray], bool] = lambda _, __: True
 
     def explanation(self, parameters: FloatArray) -> Explanation:
         """The change with fitted parameters, as it is stored and put in words."""
@@ -98,6 +101,7 @@ def fitted(
     nominal: FloatArray,
     scale: float | FloatArray,
     apply: Callable[[Hypothesis, FloatArray], Hypothesis],
+    is_possible: Callable[[Hypothesis, FloatArray], bool] = lambda _, __: True,
 ) -> Change:
     """A change of k numbers of the equations; its parameters are deviations from nominal values.
 
@@ -106,10 +110,14 @@ def fitted(
     nominal : the numbers without the change, (k,)
     scale : scale of the deviations, in the unit of the numbers
     apply : puts the changed numbers into a hypothesis
-    kind : as in `Change`
+    kind, is_possible : as in `Change`
     """
     scales = np.broadcast_to(scale, nominal.shape).astype(float)
-    return Change(kind, lambda h, n: apply(h, nominal + n), scales, lambda n: nominal + n)
+
+    def numbers(n: FloatArray) -> FloatArray:
+        return np.asarray(nominal + n)
+
+    return Change(kind, lambda h, n: apply(h, numbers(n)), scales, numbers, is_possible)
 
 
 def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -> Iterator[Change]:

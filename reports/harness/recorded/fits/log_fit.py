@@ -14,7 +14,7 @@ from scipy.special import chdtrc, chdtri, fdtrc
 from .....reference.following import follow
 from .....scenarios import FloatArray, Scenario
 from .....scenarios.rotation import norms
-from ...explaining.changes import FITTED_TENSORS, tensor
+from ...explaining.changes import has_tensor, tensor
 from ...explaining.effect_changes import com, of_momentum, resistance, torques, usual_torque
 from ...explaining.fit import Fit, Trial
 from ...explaining.hypothesis import Change, Hypothesis
@@ -115,7 +115,7 @@ class LogFit:
         usual = [*self.general, self.late, self.axes]
         same = {(one.kind, len(one.scales)) for one in usual}
         special = [one for one in special if (one.kind, len(one.scales)) not in same]
-        special = [one for one in special if one.kind not in FITTED_TENSORS]
+        special = [one for one in special if one.is_possible is not has_tensor]
         return Stepwise(self.given, [*usual, *special], usual=usual)
 
     @cached_property
