@@ -2,7 +2,7 @@
 
 ``python tests/reports/harness/recorded/measure_logs.py [N [FIRST]]`` simulates N logs of bodies of
 four kinds, every second one with a gyroscope's bias, judges each by a scene whose tensor and start
-are a guess, and prints the table of docs/how-to/judge.md.
+are a guess, and prints the table of docs/explanation/recordings.md.
 """
 
 import sys
