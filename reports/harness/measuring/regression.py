@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc
+from scipy.special import erfc
 
 from ....scenarios import FloatArray
 from ...results.evidence import LEVEL
@@ -247,7 +247,7 @@ class Regression:
         limit = (weights[:, None] * constants).sum(axis=0)
         spread = ((constants - limit) ** 2).mean(axis=1) + error[:, None] ** 2
         squares = ((constants / error[:, None, None]) ** 2).sum(axis=1)
-        tails = (weights * chdtrc(3, squares)).sum(axis=0)
+        tails = (weights * _tail(squares)).sum(axis=0)
         return (limit * units).T, np.sqrt((weights * spread).sum(axis=0)) * units, tails
 
     @cached_property
@@ -277,7 +277,7 @@ class Regression:
             spread = ((mean - means[j]) ** 2).mean(axis=1) + variance[:, None]
             errors[j] = np.sqrt((weights * spread).sum(axis=0))
             squares = ((self.measured.gains[j] - mean) ** 2).sum(axis=1) / variance[:, None]
-            tails[j] = (weights * chdtrc(3, squares)).sum(axis=0)
+            tails[j] = (weights * _tail(squares)).sum(axis=0)
         units = self.measured.units
         return tails, np.swapaxes(means * units, 1, 2), errors * units
 
@@ -316,6 +316,15 @@ def _inverse_radii(measured: Measured) -> FloatArray:
     radii = RATIO ** (count + 0.5) / 4
     within = (radii[:, None] * measured.x < 1).sum(axis=1)
     return np.asarray(radii[within >= min(LEAST, len(measured.x))])
+
+
+def _tail(squares: FloatArray) -> FloatArray:
+    """The probability that χ² of three degrees of freedom is at least as large.
+
+    This closed form (Abramowitz & Stegun, §26.4.4) takes a quarter of the time of scipy's `chdtrc`.
+    """
+    root = np.sqrt(squares / 2)
+    return np.asarray(erfc(root) + 2 / np.sqrt(np.pi) * root * np.exp(-squares / 2))
 
 
 def _normalised(logarithms: FloatArray) -> tuple[FloatArray, FloatArray]:
