@@ -39,7 +39,7 @@ def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
     δq is q (0, δθ/2).
     """
     by_chart = np.zeros((QUATERNION + 3, CHART))
-    by_chart[:QUATERNION, :3] = _vectors_after(q_wxyz) / 2
+    by_chart[:QUATERNION, :3] = _product_matrix(q_wxyz) / 2
     by_chart[QUATERNION:, 3:] = np.eye(3)
     return by_chart
 
@@ -49,7 +49,7 @@ def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
 
     δθ is twice the vector part of q̄ δq. A change of the quaternion's norm is no change.
     """
-    turn = 2 * _vectors_after(q_wxyz).T @ numbers[:QUATERNION] / (q_wxyz @ q_wxyz)
+    turn = 2 * _product_matrix(q_wxyz).T @ numbers[:QUATERNION] / (q_wxyz @ q_wxyz)
     return np.vstack([turn, numbers[QUATERNION:]])
 
 
@@ -62,7 +62,7 @@ def along(R: FloatArray, derivative: FloatArray) -> FloatArray:
     return np.asarray(rows @ derivative @ columns.T)
 
 
-def _vectors_after(q_wxyz: FloatArray) -> FloatArray:
+def _product_matrix(q_wxyz: FloatArray) -> FloatArray:
     """Return the matrix M with q (0, v) = M v for a quaternion q and any vector v, (4, 3)."""
     w, x, y, z = q_wxyz
     return np.array([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])

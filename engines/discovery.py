@@ -125,7 +125,7 @@ def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
 
 
 def _not_installed(engine: Engine) -> Missing:
-    """Return an engine whose package is not installed as missing, with how to install it."""
+    """Return the `Missing` of an engine whose package is not installed, with how to install it."""
     how = f"pip install 'spincheck[{engine.extra or engine.name}]'"
     reason = f"the package '{engine.package}' is not installed; {how}"
     return Missing(engine.name, engine.package, reason)

@@ -147,7 +147,7 @@ class _Guard:
         return self._process
 
     def _write(self, process: "subprocess.Popen[bytes]", groups: list[int]) -> None:
-        """Write numbers of groups, one a line, to the process of a guard."""
+        """Write process group ids, one a line, to the guard's process; −g says that g has ended."""
         assert process.stdin is not None, "it is a pipe"
         process.stdin.write("".join(f"{group}\n" for group in groups).encode())
 

@@ -170,10 +170,10 @@ def _tolerance(scenario: Scenario) -> float:
 
 
 def _longest_step(scenario: Scenario) -> float:
-    """Return the longest step, s: the decay time, or that of a turn by `TURN`; inf without either.
+    """Return the longest step, s: the shorter of the decay time and the time of a turn by `TURN`.
 
-    DOP853 would be stable over six times the decay time, but misjudges its error there. Over a turn
-    larger than `TURN` its dense output is of lower order than the step.
+    It is inf without either. DOP853 would be stable over six times the decay time, but misjudges
+    its error there. Over a turn beyond `TURN` its dense output is of lower order than the step.
     """
     decay, rate = decay_rate(scenario), fastest_rate(scenario, scenario.start.omega_body)
     return min(1 / decay if decay else np.inf, TURN / rate if rate else np.inf)

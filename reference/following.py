@@ -185,7 +185,10 @@ def _size(e: FloatArray, y: FloatArray) -> float:
 
 @called
 def _fill_stage(e: FloatArray, y: FloatArray, stage: FloatArray) -> None:
-    """Write a stage of a Runge-Kutta step, the derivatives at the state y, into `stage`."""
+    """Write a stage of a Runge-Kutta step, the derivatives at the state y, (10,), into `stage`.
+
+    They are q', ω' and the angular velocity; `e` has the equations' numbers, from `all_numbers`.
+    """
     turned, accelerated = rates_of(e, y)
     stage[:4] = 0.0
     _add_product(y, 1.0, turned, stage)

@@ -139,7 +139,7 @@ def sensitivity(
 
     def found(orders: Orders) -> tuple[Arrays, Arrays]:
         turned = {
-            name: np.stack([_turned(one, motion.t, orders) for one in each], -1)
+            name: np.stack([_motion_derivative(one, motion.t, orders) for one in each], -1)
             for name, each in varied.items()
         }
         pivoted = scenario.constraint.is_pivot
@@ -215,8 +215,10 @@ def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]
     return along
 
 
-def _turned(varied: _Varied, times: FloatArray, orders: Orders) -> FloatArray:
-    """Return the derivative of attitude, rad, and ω, rad/s, by a change, body axes, (n, 6).
+def _motion_derivative(varied: _Varied, times: FloatArray, orders: Orders) -> FloatArray:
+    """Return the derivative of a motion with respect to a change, body axes, (n, 6).
+
+    The columns are a rotation vector, rad, and ω, rad/s, per unit of the change.
 
     Parameters
     ----------

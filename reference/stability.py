@@ -62,8 +62,8 @@ def separatrix_distance(moments: Vector, omega: Vector) -> float:
 def tumbling_period(moments: Vector, omega: Vector) -> float | None:
     """Return the period 4K/p of ω(t) of a free asymmetric body, s; the body flips twice in it.
 
-    p²= (I3 − I2)(L² − 2 E I1)/(I1 I2 I3) and p² k'² = (I3 − I1)(L² − 2 E I2)/(I1 I2 I3), where 2 is
-    the middle axis and 3 the one that ω circulates about (Landau & Lifshitz §37, eq. 37.8–12);
+    p² = (I3 − I2)(L² − 2 E I1)/(I1 I2 I3) and p² k'² = (I3 − I1)(L² − 2 E I2)/(I1 I2 I3), where 2
+    is the middle axis and 3 the one that ω circulates about (Landau & Lifshitz §37, eq. 37.8–12);
     by Carlson, 4K/p = 4 R_F(0, p² k'², p²) (DLMF 19.25.1). In the limit of rotation about an
     extreme axis this is the period of its wobble.
 

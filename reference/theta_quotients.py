@@ -153,14 +153,15 @@ def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Q
 def fitted(
     clock: Clock, numerator: Theta, power: int, start: InitialValue, log_rate: Callable[[mpf], mpc]
 ) -> tuple[Quotient, mpf]:
-    """Return the quotient that solves f' = f · log_rate(x) from a given start.
+    """Return the quotient f = G e^{iΩt} θ/√θ4^power with f' = f · log_rate(x), and its residual.
 
-    iΩ = log_rate − (ln θ/√θ4^power)' is the same at every x: it is computed at one x and checked at
-    another. G is fitted to value and derivative at t = 0 by least squares, as one of the two may
+    iΩ = log_rate − (ln(θ/√θ4^power))' is the same at every x: it is computed at one x and checked
+    at another. G is fitted to value and derivative at t = 0 by least squares, as one of the two may
     vanish.
 
     Parameters
     ----------
+    clock : x as a function of t
     numerator : θ
     power : power of √θ4 in the denominator
     start : f and f' at t = 0

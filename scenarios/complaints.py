@@ -38,7 +38,8 @@ _IN_TOML = {
 def validation_message(details: list[ErrorDetails], text: str, where: str) -> str:
     """Return the message about errors that pydantic found in a scenario file.
 
-    It has one line for each key, however many of its entries are wrong, up to `MAX_COMPLAINTS`.
+    It has one line for each key with errors, even if several entries of the key's array are wrong.
+    At most `MAX_COMPLAINTS` keys are listed.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from .comparison.defects import with_defects
 from .comparison.rows import compared, unmet_expectations
 from .executors import Answer
 from .judging import Records
-from .judging.ladder_end import cut_short, is_down
+from .judging.ladder_end import cut_short, is_finished
 from .measuring.intervals import MadeRun
 from .measuring.noise import rounding_of_body
 from .measuring.places import Places
@@ -164,7 +164,7 @@ class ConvergenceStudy:
         for rung in self.ladder.rungs:
             judged = self.before is not None
             self.rows.append((yield PlannedRun(rung, self.solution, "ladder", judged)))
-            if is_down(self.records):
+            if is_finished(self.records):
                 break
         is_alive = not self.rows or self.rows[0].survived
         for rung in self.ladder.above if is_alive else ():

@@ -72,7 +72,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
         for verdict in settled_verdicts(scenario, choice, store)
     }
     store.forget_costs_of_other_processors(processor())
-    timed = store.timed()
+    timed = store.keys_with_timing()
     scenes = [
         SceneLeft(
             scenario,

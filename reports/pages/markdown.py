@@ -63,7 +63,7 @@ class _Element:
 
     @property
     def elements(self) -> list["_Element"]:
-        """The elements directly inside that are not left out."""
+        """The element's children that are elements, except those that are left out of Markdown."""
         return [one for one in self.inside if isinstance(one, _Element) and not one.is_drawn]
 
     def all(self, *tags: str) -> Iterator["_Element"]:
@@ -152,7 +152,7 @@ def _marked(element: _Element) -> str:
 
 
 def _target(link: str) -> str:
-    """Return the target of a link between Markdown pages, for one between HTML pages."""
+    """Return the address of the Markdown page that stands for the HTML page of a link."""
     page = link.partition("#")[0].replace("index.html", "report.md")
     return page.removesuffix(".html") + ".md" if page.endswith(".html") else page
 

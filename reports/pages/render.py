@@ -182,7 +182,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
 
 
 def _models(scenario: Scenario) -> dict[str, str]:
-    """Return the scene's model files, by the names of the files beside its page."""
+    """Return the texts of the scene's MJCF and URDF models, by the names of their files."""
     return {
         f"{scenario.name}.xml": mjcf(scenario, SHOWN_TIMESTEP, SHOWN_INTEGRATOR),
         f"{scenario.name}.urdf": urdf(scenario),

@@ -45,8 +45,8 @@ class MethodCost(Record):
     ----------
     cost : None if the steps cannot be timed
     variation : JSON that says how the engine is varied; empty if it is not
-    difference : for an engine with nothing left out, the largest difference of any number of its
-        state from the engine as it is, SI; 0 if the motions are identical
+    difference : the largest difference of any number of the state between the engine that leaves
+        nothing out and the engine as it is by default, SI; 0 if the motions are identical
     compared_until : time up to which the two motions were compared, s; the end of the window unless
         one of them diverged
     """

@@ -223,8 +223,8 @@ class Store:
             for key in others:
                 connection.execute(f"DELETE FROM costs WHERE {_ONE_METHOD}", _names(key))
 
-    def timed(self) -> set[Key]:
-        """Return the methods on scenes that were timed, also those whose steps cannot be timed."""
+    def keys_with_timing(self) -> set[Key]:
+        """Return the methods on scenes with a stored timing; it may say that none is possible."""
         return {one.key for one in self.select(tables.COSTS, "variation = ''")}
 
     def read(self, timesteps: Sequence[float] = ()) -> Results:

@@ -30,9 +30,9 @@ class Unit(NamedTuple):
 
     Attributes
     ----------
-    kind : whether it is a scalar, a vector, or an axial vector, whose sign a mirror does not change
-        as it does a vector's
-    axes : those that a vector's components are along
+    kind : scalar, vector v, or axial vector; a mirror image M takes a vector v to M v, and an axial
+        one to −M v
+    axes : the axes along which a vector's components are given
     """
 
     mass: int = 0

@@ -89,9 +89,10 @@ class PyBulletSession(Session):
         self.world.restart(self._motions[key], timestep)
 
     def _renew_inertia(self, motion: dict[str, Any], state: State) -> None:
-        """Make PyBullet turn a rigid body's inertia to a state, as it else does at a step's end.
+        """Make PyBullet rotate a rigid body's inertia to a state's attitude, by a step at rest.
 
-        `motion` is the same state as `World.restart` takes it.
+        PyBullet itself rotates it only at the end of a step. `motion` is the same state in the form
+        that `World.restart` takes.
         """
         rest, on_pivot = np.zeros(3), matrix(state.q_world_body_wxyz) @ self.model.body.com
         self.world.restart({**motion, "place": on_pivot, "omega": rest, "velocity": rest}, IDLE)

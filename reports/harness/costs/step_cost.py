@@ -204,7 +204,9 @@ class _Timed:
             self.steps = _in_few_calls(math.ceil(self.steps * longer))
 
     def _least(self, short: float, seconds: float) -> float:
-        """Return the least duration of a stretch, s.
+        """Return how long a stretch must last at least, s, for its time to be trusted.
+
+        The clock's resolution and the cost of a call must be small parts of it.
 
         Parameters
         ----------

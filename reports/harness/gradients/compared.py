@@ -153,7 +153,7 @@ class MethodStudy:
 
     @cached_property
     def _many(self) -> _Target:
-        """The Jacobians over `MANY` steps, with which an engine's Jacobians are compared."""
+        """The reference Jacobians over `MANY` steps: exact ones, and differences of the steps."""
         return self._target(MANY)
 
     def _target(self, steps: int) -> _Target:

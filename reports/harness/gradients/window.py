@@ -137,7 +137,7 @@ def chained(each: Iterable[FloatArray]) -> list[FloatArray]:
 
     Parameters
     ----------
-    each : the Jacobian of every step, in units, (6, 6) each
+    each : the Jacobian of every step, (6, 6) each, in the same `Units` as the result
     """
     found: list[FloatArray] = [np.eye(CHART)]
     with np.errstate(over="ignore", invalid="ignore"):
@@ -202,7 +202,7 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
 
     Parameters
     ----------
-    each : the Jacobian of every step, in units, (6, 6) each
+    each : the Jacobian of every step, (6, 6) each, in the same `Units` as the result
     taped : the Jacobian of all steps at once, in units, (6, 6)
     ulp : relative spacing of the engine's numbers
     """

@@ -10,7 +10,7 @@ GOAL = 1e-9
 HIGH_ORDER = 4
 
 
-def is_down(records: Records) -> bool:
+def is_finished(records: Records) -> bool:
     """Whether the ladder ends with its last row: no finer rung is needed, or none can succeed.
 
     It also ends if a finer rung would take more than about `DECIDED_STEPS` steps.
@@ -34,7 +34,7 @@ def is_down(records: Records) -> bool:
 
 def cut_short(records: Records) -> bool:
     """Whether the ladder ended only at the step limit, so that finer rungs were not run."""
-    return records.has_ladder and not (records.rows and is_down(records))
+    return records.has_ladder and not (records.rows and is_finished(records))
 
 
 def _diverges_at_any_timestep(records: Records) -> bool:

@@ -128,7 +128,10 @@ class _Examination:
 
     @property
     def _repeats(self) -> Sequence[int]:
-        """Numbers of repeats of each state that are tried in turn; 1 alone in double precision."""
+        """The numbers of copies of each state, one for each attempt; 1 alone in double precision.
+
+        Several copies differ a little, so that their mean gain has less rounding noise.
+        """
         return REPEATS if self.sessions.engine.single_precision else (1,)
 
     @property
@@ -216,10 +219,11 @@ class _Examination:
         return replace(_with_noise(look, further, CONSISTENT * look.sizes), is_pooled=False)
 
     def _take_shorter_steps(self) -> Look:
-        """Take steps with shorter timesteps, too, to see whether they follow a second series.
+        """Take steps also with shorter timesteps, to see if these follow a series of their own.
 
         All steps are taken twice, the second time from states that are changed a little. The
-        difference of their gains is noise of the engine, which is no fault up to `NOISE` a step.
+        difference between the gains of the two is noise of the engine, and no fault up to `NOISE` a
+        step.
         """
         finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
         halved = np.concatenate([self.at.timesteps, finer])
@@ -333,15 +337,15 @@ def _is_clear_fault(look: Look) -> bool:
 
 
 def _with_noise(look: Look, again: Look, most: FloatArray) -> Look:
-    """Steps whose noise includes the difference from the same steps taken again.
+    """Steps whose noise includes the difference from other steps from the same states.
 
     As that difference may be small by accident at one timestep, the largest difference at a
-    timestep and its neighbours is used.
+    timestep and its neighbours is used, up to a bound.
 
     Parameters
     ----------
-    look, again : the steps, and the same steps taken again
-    most : the largest difference that counts as noise, in the units of gains, (J, Q) or (Q,)
+    look, again : the steps, and those taken again, after further settling or a small change
+    most : the bound, in the units of gains, for J timesteps and Q quantities, (J, Q) or (Q,)
     """
     difference = np.sqrt(((again.gains - look.gains) ** 2).mean(axis=(1, 3)))
     around = maximum_filter1d(difference, 3, axis=0, mode="nearest")

@@ -51,7 +51,8 @@ class Gains(Data):
     def scale(self) -> FloatArray:
         """The error allowed to each limit, (K, 4).
 
-        It is `noise`, plus the fraction `RANK` of the largest limit of that quantity.
+        It is `noise`, plus the fraction `RANK` of the largest limit of the same quantity in any
+        state.
         """
         largest = np.linalg.norm(self.excess, axis=2).max(axis=0)
         return np.asarray(np.maximum(self.noise + RANK * largest, NO_SIZE))

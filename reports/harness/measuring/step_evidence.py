@@ -51,7 +51,7 @@ def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) ->
 
 
 def kind_of(look: Look) -> FaultKind:
-    """The kind of fault of the gains with the smallest tail: how they fail to vanish."""
+    """The kind of the clearest fault, that is, how gains with the smallest tail fail to vanish."""
     return _shape(look, *_worst(look))[0]
 
 

@@ -60,7 +60,7 @@ class Rung:
         return np.asarray(self.sample_steps * self.timestep, dtype=float)
 
     def until(self, samples: int) -> "Rung":
-        """Return the rung, cut after a number of samples of its ladder."""
+        """Return the rung, sampled only at the first `samples` sample times of its ladder."""
         return replace(self, sample_steps=self.sample_steps[: math.ceil(samples / self.every)])
 
 
@@ -94,12 +94,12 @@ class Ladder:
 
 
 def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = MAX_STEPS) -> Ladder:
-    """Choose timesteps for a motion.
+    """Choose timesteps for a motion, each half of the one before.
 
     A step with the coarsest timestep turns the body by at most `COARSEST_TURN` where it is fastest,
     and a whole number of these steps fits between two samples. Halving is exact in binary, so that
-    all rungs share their sample times to the last bit. If the samples are so close that a ladder
-    with one step between them would have too few rungs, only every second, fourth, … sample is
+    all rungs share their sample times to the last bit. If samples are so close that even a ladder
+    that begins with one step between them has too few rungs, only every second, fourth, … sample is
     used.
 
     Parameters

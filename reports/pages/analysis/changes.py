@@ -128,7 +128,7 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
     """Yield a change if the verdict's word differs."""
     before, after = old.verdict if old else None, new.verdict if new else None
     if before != after:
-        yield _in_words(key, "verdict", before, after, tuple(RANKS))
+        yield _change_of_word(key, "verdict", before, after, tuple(RANKS))
 
 
 def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
@@ -164,7 +164,7 @@ def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
     for timestep in sorted(old_rows.keys() & new_rows.keys(), reverse=True):
         before, after = old_rows[timestep], new_rows[timestep]
         if before.outcome != after.outcome:
-            yield _in_words(key, "outcome", before.outcome, after.outcome, OUTCOMES, timestep)
+            yield _change_of_word(key, "outcome", before.outcome, after.outcome, OUTCOMES, timestep)
         elif before.outcome == "ok" and old[0].solved and new[0].solved:
             yield from _errors(before, after, _noise(old[0], before), _noise(new[0], after))
 
@@ -241,7 +241,7 @@ def _seconds(rows: Iterable[Row]) -> tuple[float, float] | None:
     return None
 
 
-def _in_words(
+def _change_of_word(
     key: Key,
     kind: Literal["verdict", "outcome"],
     old: str | None,

@@ -188,7 +188,7 @@ class SceneRuns:
 
     @cached_property
     def _solved_at(self) -> dict[bytes, Trajectory]:
-        """Exact motions at the times of runs so far, by the bytes of the times."""
+        """The exact motions computed so far, by the sample times of a run, as bytes."""
         return {}
 
     def uncertainty(self, row: Row) -> Errors:

@@ -198,7 +198,7 @@ def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:
 def _states(
     motion: Trajectory, kept: NDArray[np.intp], step: float, omega_step: float
 ) -> dict[str, Any]:
-    """Return the components of attitude and ω, rad/s, body axes, as differences.
+    """Return the components of attitude and ω, body axes, packed by `differenced` for the page.
 
     Parameters
     ----------

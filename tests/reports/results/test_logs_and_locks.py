@@ -130,7 +130,7 @@ def test_what_is_forgotten_is_gone_and_nothing_else(path):
         store.forget([key])
         results = store.read()
         assert (results.rows, results.verdicts, results.costs) == ([], [], [])
-        assert store.timed() == set()
+        assert store.keys_with_timing() == set()
         assert results.scenes
         assert results.ensembles[0].points
 

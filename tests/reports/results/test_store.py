@@ -104,9 +104,9 @@ def test_costs_of_another_processor_are_forgotten(path):
     with open_store(path, create=True) as store:
         store.put(COST)
         store.forget_costs_of_other_processors("a processor")
-        assert store.timed() == {KEY}
+        assert store.keys_with_timing() == {KEY}
         store.forget_costs_of_other_processors("another")
-        assert store.timed() == set()
+        assert store.keys_with_timing() == set()
 
 
 def fingerprints(scenario: str = KEY.scenario, **changed: str) -> list[Fingerprint]:

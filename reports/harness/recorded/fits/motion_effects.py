@@ -126,9 +126,9 @@ def world_turning(rate: float) -> Change:
 
 
 def _gravity_gradient(h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """Return a hypothesis with a gravity gradient, 1/s², of five entries n besides a zero, (5,).
+    """Return a hypothesis with a gravity gradient, 1/s², whose entries but zz are `n`, (5,).
 
-    A multiple of the identity would have no torque.
+    The entry zz is 0, because a multiple of the identity would have no torque.
     """
     return h.of(gravity_gradient=tensor_of_entries([*n[:2], 0.0, *n[2:]]))
 

@@ -175,7 +175,7 @@ class Physics:
 
     @property
     def of_other_method(self) -> list[str]:
-        """The sentence that the method has a lower order, or another timestep; often none."""
+        """The sentence that the method's order or timestep is not the stated one; often none."""
         if self.is_at_another_timestep:
             return [OTHER_TIMESTEP.format(self.timestep)]
         order = self.apparent_order
@@ -432,7 +432,7 @@ class Physics:
         return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))
 
     def _in_words(self, found: Fit) -> list[str]:
-        """Return the sentences on the changes of a fit, and on what explains its residuals."""
+        """Return sentences on the changes that a fit found, and on what explains its residuals."""
         words, rest = sentences(found), self.after(found)
         if rest.is_of_noise:
             return words

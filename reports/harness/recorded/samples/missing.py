@@ -88,7 +88,7 @@ def turned_off(motion: Trajectory, exact: Trajectory) -> float:
 
 
 def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
-    """Whether only ω is wrong: the error of the attitude, rad, is far below its relative error.
+    """Whether only ω is wrong: the attitude's error, rad, is far below the relative error of ω.
 
     Both motions have the same times.
     """

@@ -265,9 +265,9 @@ class _Beginning:
         return best
 
     def other_times(self, reading: Reading) -> list[str]:
-        """Return in words by which factor times are too short or too long; often nothing.
+        """Return a sentence with the factor by which times are too short or too long; often none.
 
-        The factor is the one with which the attitudes follow ω.
+        If the times are multiplied or divided by this factor, the attitudes turn at the rate ω.
         """
         least = self.error(reading)
         if least <= FITS or (factor := _factor_of_times(reading)) is None:

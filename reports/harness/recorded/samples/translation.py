@@ -154,7 +154,10 @@ def rounding_of(numbers: FloatArray, units: dict[str, float], steps: float) -> f
 
 
 def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
-    """Yield mistakes of the com, in words, each with the corrected com, m, world axes, (n, 3)."""
+    """Yield possible mistakes of the com, in words, each with the corrected com.
+
+    The corrected com is in m, in world axes, (n, 3).
+    """
     R = matrices(motion.q_world_body_wxyz)
     yield (
         "x y z are those of the body's origin; they are to be those of the com",
