@@ -66,9 +66,9 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
     """
     engines: dict[str, Engine] = {}
     absent: list[Missing] = []
-    names = [f"{adapters.__name__}.{info.name}" for info in pkgutil.iter_modules(adapters.__path__)]
-    names += [point.value for point in entry_points(group=ENTRY_POINTS)]
-    for name in names:
+    own = [f"{adapters.__name__}.{info.name}" for info in pkgutil.iter_modules(adapters.__path__)]
+    foreign = [point.value for point in entry_points(group=ENTRY_POINTS)]
+    for name, is_foreign in (*((name, False) for name in own), *((name, True) for name in foreign)):
         try:
             module = importlib.import_module(name)
             there = [*_engines_in(module), *_discovered_by(module)]
@@ -79,6 +79,8 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
         for engine in there:
             if isinstance(engine, Missing):
                 absent.append(engine)
+            elif is_foreign and (reason := _misdeclared(engine)):
+                absent.append(Missing(name.rpartition(".")[2], "", reason))
             elif engine.name in engines:
                 modules = " and ".join(
                     type(one).__module__ for one in (engines[engine.name], engine)
@@ -87,6 +89,13 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
             else:
                 engines[engine.name] = engine
     return engines, tuple(absent)
+
+
+def _misdeclared(engine: Engine) -> str:
+    """Return as `misdeclared` does, which is imported only for engines of other packages."""
+    from .declared import misdeclared
+
+    return misdeclared(engine)
 
 
 def _missing(name: str, error: BaseException) -> Missing:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,12 +27,13 @@ class EngineError(Exception):
     Parameters
     ----------
     reason : what happened, in a sentence
-    cause : the cause in one word; empty if neither the engine nor its adapter knows it
+    cause : the cause in one word, of `Cause`; empty, as any other word counts, if neither the
+        engine nor its adapter knows it
     """
 
     def __init__(self, reason: str, cause: Cause = "") -> None:
         super().__init__(reason)
-        self.cause: Cause = cause
+        self.cause: Cause = cause if cause in get_args(Cause) else ""
 
 
 class UnsupportedError(EngineError):

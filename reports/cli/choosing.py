@@ -250,7 +250,9 @@ def _of_module(name: str) -> Engine:
             f"'--engine' {name} must be a subclass of spincheck.engine.Engine, or an object of "
             f"one, got {found!r}"
         )
-    if reason := misfit("interface", getattr(engine, "interface", None)):
+    from ...engines.declared import misdeclared
+
+    if reason := misfit("interface", getattr(engine, "interface", None)) or misdeclared(engine):
         raise Complaint(f"{before}{reason}")
     with as_complaint(NameTaken, before=before):
         add(engine)

@@ -24,7 +24,7 @@ from .costs.timing import time_scene
 from .executors import CallFailed, Executor, cause_of_unsolved, may_succeed_if_repeated
 from .executors.compiling import compile_side_by_side
 from .judging import judge
-from .measuring.examine import examine
+from .measuring.examine import examine_or_refuse
 from .measuring.replay import examine_runs
 from .plan import Plan
 from .prepared import Prepared, SceneReference
@@ -237,11 +237,11 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
     at, site = study.places, study.engine.site
     if at is not None and study.steps is None:
         arguments = (study.engine, study.scenario, study.method.name, at)
-        found = executor.call_at(site, examine, *arguments).value
+        found = executor.call_at(site, examine_or_refuse, *arguments).value
         if isinstance(found, CallFailed):
             study.refusal = found.reason
         else:
-            study.steps = found
+            study.steps, study.refusal = found
 
 
 def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:

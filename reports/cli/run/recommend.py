@@ -123,12 +123,13 @@ def recommend(
     with saying("nothing is kept"), TemporaryDirectory() as folder:
         if timed_runs := _timed_runs(scene, bounds, engine_names, stored):
             say(f"From the runs in {stored}.")
-            return replace(_checked(scene, bounds, timed_runs, Path(folder)), source=str(stored))
+            found = replace(_checked(scene, bounds, timed_runs, Path(folder)), source=str(stored))
+            return _as_typed_again(found, engine_names)
         out = Path(folder) / "ladder.sqlite"
         results = running.run([scene], engine_names, methods, [], jobs, out)
         if running.exit_code(results) == NOT_RUN:
             raise Complaint(f"{scene}: nothing could be run: {results.rows[0].reason}", NOT_RUN)
-        return _checked(scene, bounds, results, Path(folder))
+        return _as_typed_again(_checked(scene, bounds, results, Path(folder)), engine_names)
 
 
 def within(row: Row, bounds: ErrorBounds) -> bool:
@@ -309,6 +310,21 @@ def _with_run(results: Results, run: Row) -> Results:
     )
     by_timestep = {(row.key, row.timestep): row for row in (*results.rows, priced)}
     return replace(results, rows=list(by_timestep.values()))
+
+
+def _as_typed_again(recommendation: Recommendation, engine_names: Sequence[str]) -> Recommendation:
+    """Return a recommendation whose command names an engine of one's own as the user typed it.
+
+    Such an engine, 'MODULE:CLASS' or 'child:COMMAND', is not known by its name alone.
+    """
+    words = shlex.split(recommendation.command)
+    if not words:
+        return recommendation
+    own = (name for name in engine_names if ":" in name)
+    typed = {one.name: name for name in own for one in choose([name], [], []).engines}
+    at = words.index("--engine") + 1
+    words[at] = typed.get(words[at], words[at])
+    return replace(recommendation, command=shlex.join(words))
 
 
 def _command(scene: str, best: Candidate) -> str:

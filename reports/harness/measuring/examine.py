@@ -58,12 +58,24 @@ def examine(
     -------
     None if the method does not support the scene, or the engine refuses a state or a step
     """
-    with suppress(EngineError):
-        return _examine_or_raise(
-            engine, scenario, engine.method(method_name), at, explains=explains
-        )
-    # The method's runs will report why the engine refuses.
-    return None
+    return examine_or_refuse(engine, scenario, method_name, at, explains=explains)[0]
+
+
+def examine_or_refuse(
+    engine: Engine, scenario: Scenario, method_name: str, at: Places, *, explains: bool = True
+) -> tuple[StepEvidence | None, str]:
+    """Examine the single steps of a method as `examine` does.
+
+    Returns
+    -------
+    The evidence, as `examine` returns it, and the engine's reason if it refuses a state or a step;
+    empty if it refuses none
+    """
+    method = engine.method(method_name)
+    try:
+        return _examine_or_raise(engine, scenario, method, at, explains=explains), ""
+    except EngineError as error:
+        return None, str(error)
 
 
 def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
