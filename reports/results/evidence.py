@@ -32,7 +32,7 @@ Vector = tuple[Signed, Signed, Signed]
 #: shorter : from one timestep down they tend to something else
 #: leap : a step changes the state by as much however short it is
 #: misread : a state reads back differently from how it was set
-FaultKind = Literal["limit", "timestep", "shorter", "leap", "misread"]
+FaultKind = Literal["limit", "timestep", "shorter", "leap", "misread", "random"]
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,8 @@ class StepFault:
         axis
     timestep : timestep at which it shows, s
     got, wanted : the rate at which the quantity changes, and the rate at which it should; for
-        `leap` and `misread` how far the state is off
+        `leap` and `misread` how far the state is off, for `random` by how much the rate differs
+        when the same step is taken again
     changes : changes that explain the gains of all states; empty if no single change and no two do
     """
 

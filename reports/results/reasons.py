@@ -139,6 +139,11 @@ def _shown(fault: StepFault) -> str:
             f"{what} is off by {factor * math.hypot(*fault.got):.2g}{unit} after a step, however "
             f"short it is, down to {fault.timestep:.2g} s"
         )
+    if fault.kind == "random":
+        return (
+            f"the engine is not deterministic: of two steps of {fault.timestep:.3g} s from one "
+            f"state, {when}, {RATES[fault.quantity]} differs by {math.hypot(*fault.got):.2g}"
+        )
     what = _gained(fault)
     if fault.kind == "limit":
         return what

@@ -502,3 +502,11 @@ class ForgetsWithTheTimestep(Remembers):
     @property
     def turn_share(self) -> float:
         return self.size * self.turn
+
+
+class ByChance(Stepped):
+    """Each step changes ω by chance, each time otherwise."""
+
+    def take(self, steps, push=0.0):
+        super().take(steps, push)
+        self.y[4:7] += self.size * CHANCE.normal(size=3)

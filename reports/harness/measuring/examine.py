@@ -14,14 +14,21 @@ from ....engines.checks.read_back import State
 from ....reference import ExactMotion
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
-from ...results.evidence import CONSISTENT, LEVEL, StepEvidence, StepFault, is_known
+from ...results.evidence import (
+    CONSISTENT,
+    LEVEL,
+    QUANTITIES,
+    StepEvidence,
+    StepFault,
+    is_known,
+)
 from ...results.reasons import fault_in_words
 from ..explaining.readings import misreading
 from ..timesteps.stock import stock_timesteps
 from .look import Look
 from .noise import SURE, ULPS, noise_of, noise_of_steps, rounding_of_body, roundings
 from .places import FINER, HALVINGS, Places, places
-from .step_evidence import evidence_of, kind_of
+from .step_evidence import evidence_of, kind_of, random_fault
 from .steps import (
     FEW,
     Sessions,
@@ -117,7 +124,8 @@ def _examine_or_raise(
             if fault := examination.misread:
                 return StepEvidence(len(states.times), 0.0, 0.0, 0.0, 0, fault=fault)
             order = 0 if engine.single_precision else method.order
-            return evidence_of(examination.look, states, order, explains=explains)
+            found = evidence_of(examination.look, states, order, explains=explains)
+            return examination.unless_random(found)
     return None
 
 
@@ -162,6 +170,26 @@ class _Examination:
         at = float(self.at.times[worst % len(self.at.times)])
         time, zero = None if np.isnan(at) else at, (0.0, 0.0, 0.0)
         return StepFault("misread", "attitude", time, 0.0, (omega, turn, spins), zero, changes)
+
+    def unless_random(self, found: StepEvidence) -> StepEvidence:
+        """The evidence from steps; its fault is that the engine is not deterministic if it is not.
+
+        It is not if the steps that show the fault, taken again from the same states, differ by a
+        quarter of the fault or more: the largest deviation from a mean is that of many steps.
+        """
+        if (fault := found.fault) is None:
+            return found
+        single = self.sessions.engine.single_precision
+        halved = self.at.timesteps if single else self._halved_further
+        one, again = (self._take(found.settled, self._repeats[0], halved) for _ in range(2))
+        j = int(np.abs(one.steps.timesteps - fault.timestep).argmin())
+        timestep = float(one.steps.timesteps[j])
+        apart = (again.gains - one.gains)[j, :, QUANTITIES.index(fault.quantity)]
+        off = np.linalg.norm(np.subtract(fault.got, fault.wanted))
+        k = int(norms(apart).argmax())
+        if norms(apart)[k] < off / (timestep if fault.kind == "leap" else 1.0) / 4:
+            return found
+        return replace(found, fault=random_fault(self.at, k, fault.quantity, timestep, apart[k]))
 
     @property
     def look(self) -> Look:
@@ -230,6 +258,12 @@ class _Examination:
         # A solver's residuals are alike in all states, so that the limits are not independent.
         return replace(_with_noise(look, further, CONSISTENT * look.sizes), is_pooled=False)
 
+    @property
+    def _halved_further(self) -> FloatArray:
+        """The timesteps of `at`, and `FINER` more, each half of the one before, s."""
+        finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
+        return np.concatenate([self.at.timesteps, finer])
+
     def _take_shorter_steps(self) -> Look:
         """Take steps also with shorter timesteps, to see if these follow a series of their own.
 
@@ -237,10 +271,8 @@ class _Examination:
         difference between the gains of the two is noise of the engine, and no fault up to `NOISE` a
         step.
         """
-        finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
-        halved = np.concatenate([self.at.timesteps, finer])
         look, again = (
-            self._take(0, 1, halved, may_split=True, is_changed=is_changed)
+            self._take(0, 1, self._halved_further, may_split=True, is_changed=is_changed)
             for is_changed in (False, True)
         )
         return _with_noise(look, again, noise_of_steps(look.equations, look.steps)[:, 0])

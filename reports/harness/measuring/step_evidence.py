@@ -13,6 +13,7 @@ from ...results.evidence import (
     Explanation,
     FaultKind,
     GainCurve,
+    Quantity,
     StepEvidence,
     StepFault,
     Vector,
@@ -158,6 +159,19 @@ def _fault(look: Look, at: Places, *, explains: bool) -> StepFault:
     return StepFault(
         kind, quantity, time, timestep, _vector(wanted + off), _vector(wanted), changes
     )
+
+
+def random_fault(
+    at: Places, k: int, quantity: Quantity, timestep: float, apart: FloatArray
+) -> StepFault:
+    """The fault that steps with a timestep, s, taken twice from state k, end differently.
+
+    Parameters
+    ----------
+    apart : by how much the gain in the quantity differs, in the units of `step_gains`, (3,)
+    """
+    time = None if np.isnan(at.times[k]) else float(at.times[k])
+    return StepFault("random", quantity, time, timestep, _vector(apart), (0.0, 0.0, 0.0))
 
 
 def _limits(look: Look) -> Gains:

@@ -12,7 +12,7 @@ import pytest
 import stepped_faults as planted
 from library_scenes import library_scene
 from spincheck.reports.harness import study
-from spincheck.reports.harness.measuring.examine import examine
+from spincheck.reports.harness.measuring.examine import examine_or_refuse
 from spincheck.reports.harness.prepared import Prepared, prepare
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.verdicts import Verdict
@@ -115,7 +115,7 @@ HONEST = [
 def _nothing_is_explained() -> Iterator[None]:
     """Verdicts are looked at, and not the words of what would explain them."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(study, "examine", partial(examine, explains=False))
+        patch.setattr(study, "examine_or_refuse", partial(examine_or_refuse, explains=False))
         yield
 
 

@@ -93,7 +93,7 @@ def test_a_longer_ladder_takes_no_steps_from_exact_states_again(path, monkeypatc
     choice, scenes = replace(LADDER, max_steps=1 << 12), [loads(BOX, "box")]
     fresh = study_of(path.with_name("fresh.sqlite"), scenes, choice)
     short = study_of(path, scenes, LADDER)
-    monkeypatch.setattr(study, "examine", None)
+    monkeypatch.setattr(study, "examine_or_refuse", None)
     longer = study_of(path, scenes, choice)
     assert len(longer.rows) > len(short.rows)
     assert longer.verdicts == fresh.verdicts

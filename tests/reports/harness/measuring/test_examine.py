@@ -318,6 +318,15 @@ def test_what_a_solver_leaves_is_noise_up_to_a_bound() -> None:
     assert at_random(0.1).fault is not None
 
 
+@pytest.mark.parametrize("size", [1e-9, 1e-3])
+def test_of_an_engine_that_is_not_deterministic_no_timestep_is_blamed(size: float) -> None:
+    """Of many steps that differ by chance, those of some timestep differ the most."""
+    found = looked_at(SteppedEngine(planted.ByChance, size), "RK4", "tennis-racket")
+    assert found.fault is not None
+    assert found.fault.kind == "random"
+    assert in_words(found).startswith("the engine is not deterministic: of two steps of ")
+
+
 def test_a_velocity_off_the_pivot_by_what_timesteps_make_it_shows_a_constraint() -> None:
     """One that is off alike at each timestep is a body that is another, or a reading."""
     scenario, engine = library_scene(PLAIN), SteppedEngine(Stepped)
