@@ -23,8 +23,8 @@ class Derivative:
     ----------
     compute : returns the derivative of the next step, (6, 6), or of dω/dt, (3, 6), and leaves the
         state unchanged; raises `EngineError` if the engine refuses
-    through : returns the derivative of a number of steps at once, (6, 6), as a tape does; None if
-        users of the engine multiply the derivatives of single steps
+    through : returns the derivative of a given number of steps at once, (6, 6), as a tape does;
+        None if users of the engine multiply the derivatives of single steps
     epsilon : change of a number in finite differences, rad and rad/s; 0 if the derivative is exact
     """
 

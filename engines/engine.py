@@ -237,7 +237,7 @@ class Engine(Adapted, ABC):
         *,
         fails_if_unlike: bool = True,
     ) -> Run:
-        """Simulate a scene and return the states at given step counts; time is k · dt, never a sum.
+        """Simulate a scene and return its run, sampled at given step counts k; times are k · dt.
 
         Parameters
         ----------
@@ -294,7 +294,7 @@ def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:
 
 
 def _samples(sampled: Sampled, sample_steps: NDArray[np.int64], timestep: float) -> dict[str, Any]:
-    """Return fields of a `Run` by name: the trajectory of the valid samples, and its last step.
+    """Return fields of a `Run` by name: the trajectory of the valid samples, and its steps.
 
     The field `stopped_at`, the time of the first invalid sample, is there unless the run is ok.
     """

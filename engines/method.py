@@ -24,7 +24,8 @@ class Method:
     effects : names, out of `scenarios.EFFECTS`, of the effects that it can simulate
     requires : names of the effects that a scene must have for it to make sense, such as a pivot
         for a method that simulates pivots by a constraint
-    max_rotation_per_step : rad; beyond it the engine silently clamps, so it is not run
+    max_rotation_per_step : rad; the engine silently clamps larger rotations, so that a run in which
+        the body turns further in a step is not made, or ends there
     clamps_parts : whether the engine also clamps how far parts of the body turn relative to it
     as_shipped : whether the engine runs with all its defaults: a difference from the scene is then
         a remark, and does not fail a run
@@ -57,8 +58,8 @@ class Release:
 
     Attributes
     ----------
-    requirements : distributions, as pip takes them, without their dependencies except those that
-        this version needs in other versions than the newest does
+    requirements : distributions to install, as pip takes them; dependencies are not installed by
+        themselves, so those of which this version needs another release than the newest are listed
     methods : the methods, with their orders in that version
     installed_as : name of the engine whose installed versions this one shares; empty for none
     surplus : packages that pip installs with it and that no run imports, which are removed

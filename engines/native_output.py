@@ -14,7 +14,7 @@ STDOUT, STDERR = 1, 2
 
 @dataclass
 class Printed:
-    """The text captured so far from standard output, followed by that from standard error."""
+    """The text captured from standard output, followed by that from standard error."""
 
     text: str = ""
 

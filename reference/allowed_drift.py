@@ -19,7 +19,7 @@ SUMMED = 8
 
 
 def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) -> dict[str, float]:
-    """Return the largest drift from each conservation law that errors of the states explain.
+    """Return for each conservation law the largest drift that errors of the states explain.
 
     The keys are the names of the laws, and drifts are relative to the scale of the law. Where that
     scale is zero, only the rounding of the drift itself is allowed.

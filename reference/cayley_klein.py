@@ -28,7 +28,7 @@ class CayleyKlein(NamedTuple):
         return (self.A.real, -self.B.imag, self.B.real, self.A.imag)
 
     def rates(self, omega: Vector) -> tuple[mpc, mpc]:
-        """Return A' and B', 1/s, given the angular velocity, rad/s, along the turned axes."""
+        """Return A' and B', 1/s, given the angular velocity, rad/s, along the body's axes."""
         W, spin = transverse(omega), mpc(0, omega[2])
         return (spin * self.A - W * self.B) / 2, (mp.conj(W) * self.A - spin * self.B) / 2
 

@@ -1,4 +1,6 @@
-"""Compiles all kernels and keeps their machine code, so that solving a scene only loads it.
+"""Compiles kernels and keeps their machine code on disk, so that solving a scene only loads it.
+
+These are all kernels except those of sensitivities, which are compiled at their first call.
 
 `reports/harness/executors/compiling.py` compiles them in processes side by side.
 """
@@ -40,18 +42,18 @@ _I2 = {"free": 2.5, "heavy": 2.0}
 
 
 def is_compiled() -> bool:
-    """Whether the machine code of all kernels is on disk already."""
+    """Whether the machine code of all kernels that `compile_kernels` calls is on disk already."""
     return FOLDER is not None and (FOLDER / COMPLETE).exists()
 
 
 def compile_march() -> None:
-    """Compile the kernels of the ODE integrator, which take half of the time of all kernels."""
+    """Compile the kernels of the ODE integrator, which takes half the time of `compile_kernels`."""
     for scenario in _scenes():
         solve_ode(scenario, scenario.times)
 
 
 def compile_flow() -> None:
-    """Compile all other kernels: closed forms, the flow, and integrators of other equations."""
+    """Compile the kernels of closed forms, of the flow, and of integrators of other equations."""
     for scenario in _scenes():
         exact = ExactMotion(scenario).outline(scenario.times)
         flow(scenario, exact, np.zeros(len(exact.t)))
@@ -62,7 +64,7 @@ def compile_flow() -> None:
 
 
 def compile_kernels() -> None:
-    """Call every kernel once, as solvers do, so that numba compiles it or loads it from disk."""
+    """Call each kernel once, so that numba compiles it or loads it; not those of sensitivities."""
     compile_march()
     compile_flow()
     if FOLDER is not None:

@@ -45,8 +45,8 @@ def nudged(problem: Problem, k: int, size: mpf) -> Problem:
     """Return the problem with start, moments, lever and rotors' momenta changed up or down.
 
     ω is changed relative to |ω| or, if that is larger, to the rate of the body's swing, √(m g l/I);
-    the attitude is turned by `size` rad about each axis. A table of the changed problem can also
-    pull.
+    the attitude is turned by `size` rad about each axis. On a table, the changed problem does not
+    end at lift-off: its table can also pull.
 
     Parameters
     ----------
@@ -86,10 +86,10 @@ def conditioning(
     solved: Solved,
     nudge: Nudge = nudged,
 ) -> Errors:
-    """Return how much each signal of a motion changes by one ulp in its start and body.
+    """Return how much each signal of a motion changes if its start and body change by one ulp.
 
-    It is the root mean square over `COUNT` choices of signs, and at least one ulp, in the unit of
-    errors: relative, or rad.
+    It is the root mean square over `COUNT` choices of the signs of these changes, and at least one
+    ulp, in the unit of errors: relative, or rad.
 
     Parameters
     ----------
@@ -113,9 +113,10 @@ def _response(
     nudge: Nudge,
     k: int,
 ) -> Errors:
-    """Return the change of each signal by one ulp, scaled from a larger change of the problem.
+    """Return how much each signal changes if the problem's numbers change by one ulp.
 
-    The change is made with the k-th choice of signs; the other parameters are as in `conditioning`.
+    It is scaled down from the effect of a larger change, which is made with the k-th choice of
+    signs; the other parameters are as in `conditioning`.
     """
     for size in NUDGES:
         apart = errors_between(scenario, solved(nudge(problem, k, mpf(size))), exact_motion)

@@ -27,7 +27,7 @@ UP_WORLD = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class InvariantScales:
-    """The sizes that changes of one scene's conserved quantities are relative to.
+    """Sizes that are typical of one scene, from which `Law.scale` is computed.
 
     Each size includes what gravity can add to a body that starts at rest, so that a size is zero
     only if the body cannot move in the corresponding way.
@@ -140,12 +140,12 @@ def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _L_norm(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return ‖L‖, less the impulse as in `_L_world`, kg m²/s, (n,)."""
+    """Return ‖L − τ t‖, the norm of the vector that `_L_world` returns, kg m²/s, (n,)."""
     return np.asarray(np.linalg.norm(_L_world(scene, motion), axis=1))
 
 
 def _L_vertical(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return L along the upward vertical, less the impulse as in `_L_world`, kg m²/s, (n,)."""
+    """Return the upward component of L − τ t, as in `_L_world`, kg m²/s, (n,)."""
     return np.asarray(_L_world(scene, motion) @ scene.up_world)
 
 
@@ -176,7 +176,10 @@ def _momentum(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return the r at t = 0 of the parabola through each state, m, (n, 3); 0 along held axes."""
+    """Return where the parabola through each state was at t = 0, m, (n, 3); 0 along held axes.
+
+    It is r − v t + ½ g t², with position r and velocity v of the com.
+    """
     t = motion.t[:, None]
     fallen = t**2 / 2 * scene.scenario.gravity_world
     return (motion.com_world - t * motion.velocity_world + fallen) * scene.is_flying
@@ -215,7 +218,7 @@ def _is_thrown(scene: InvariantScales) -> bool:
 
 
 def _of_held_point(effect: Effect) -> Law:
-    """Return the law that the point which a constraint holds keeps its place.
+    """Return the law that the point held by a constraint stays in its place.
 
     The law has the name of the effect that is the constraint.
     """

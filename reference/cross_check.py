@@ -31,7 +31,7 @@ class CrossCheck:
 
     Attributes
     ----------
-    steps : number of steps taken
+    steps : an upper bound on the number of steps taken
     tolerance : relative error allowed in each step
     """
 
@@ -55,7 +55,7 @@ def times_within_reach(scenario: Scenario, exact: Trajectory) -> FloatArray:
 
 
 def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
-    """Return the motion of a scene, integrated in body axes.
+    """Return the motion of a scene, which DOP853 integrates in body axes.
 
     Parameters
     ----------
@@ -160,10 +160,10 @@ def _differences(scenario: Scenario) -> FloatArray:
 
 
 def _tolerance(scenario: Scenario) -> float:
-    """Return the relative error allowed in a step: at least the rounding error of ω' over a radian.
+    """Return the relative error allowed in a step, `RELATIVE_TOLERANCE` or more.
 
-    That rounding error is large for a thin body in skew axes, whose I⁻¹ (ω × Iω) is a small
-    difference of large numbers.
+    It is at least the rounding error of ω' divided by |ω|². This is large for a thin body in skew
+    axes, whose I⁻¹ (ω × Iω) is a small difference of large numbers.
     """
     inverse, differences = np.abs(np.linalg.inv(scenario.inertia)), np.abs(_differences(scenario))
     return max(RELATIVE_TOLERANCE, EPS * float(np.linalg.norm(inverse @ differences, 2)))

@@ -177,7 +177,7 @@ TORQUE_OF_WORLD = EffectTerms(
 
 
 def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
-    """Return the numbers of a table that `Problem` holds, by attribute; empty without a table."""
+    """Return the attributes of `Problem` that describe a scene's table; empty without a table."""
     table = scenario.effects.table
     if table is None:
         return {}
@@ -226,7 +226,7 @@ def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
 
 
 def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
-    """Return how the angular momenta that rotors keep change by a unit, rad/s, of each spin."""
+    """Return how the rotors' constant angular momenta change by 1 rad/s more of each spin."""
     rotors = scenario.rotors.each
     return {
         "spins": [
@@ -237,7 +237,7 @@ def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
 
 
 def _kept_of_omega(scenario: Scenario, omega_body: Vector) -> Numbers:
-    """Return the change of the momenta that rotors keep by a change of ω, rad/s, body axes."""
+    """Return how a change of ω, rad/s, body axes, changes the rotors' constant angular momenta."""
     still = [replace(rotor, spin=mpf(0)) for rotor in scenario.rotors.each]
     return {"kept": [kept_exact(rotor, omega_body) for rotor in still]}
 
@@ -288,5 +288,5 @@ def nutates(problem: Problem) -> bool:
 
 
 def is_free(problem: Problem) -> bool:
-    """Whether no torque of any kind acts about the fixed point."""
+    """Whether no effect turns the body: no torque about the fixed point, no momentum of rotors."""
     return not turning(problem)

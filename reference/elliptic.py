@@ -77,7 +77,10 @@ def first_kind(sin_squared: mpf, cos_squared: mpf, m1: mpf) -> mpf:
 
 
 class Harmonics(NamedTuple):
-    """A series Σ a_k f(j_k x), where the kind says f, sin or cos, and j_k, 2k + 1 or 2k."""
+    """A series Σ a_k f(j_k x), where a_k are its coefficients.
+
+    `kind` says whether f is a sine or a cosine, and whether j_k is 2k + 1 or 2k.
+    """
 
     kind: int
     coefficients: tuple[mpf, ...]
@@ -85,16 +88,17 @@ class Harmonics(NamedTuple):
 
 @dataclass(frozen=True)
 class Theta:
-    """A theta function of x − iη as a function of real x, up to a constant factor.
+    """A theta function of s x − iη as a function of real x, up to a constant factor.
 
-    If it is hyperbolic, the factor exp(−(x − iη)²/…) of Jacobi's transformation is left out, too.
+    s is `stretch`. If it is hyperbolic, the factor exp(−(K'/πK)(s x − iη)²) of Jacobi's
+    transformation is left out, too; on the doubled lattice it has 2K' in place of K'.
 
     Attributes
     ----------
     real, imaginary : series of its real and its imaginary part
     hyperbolic : whether the harmonics are sinh and cosh
-    stretch : factor of x in the argument of the series
-    eta : η of the argument x − iη
+    stretch : s, the factor of x in the argument of the series
+    eta : η of the argument s x − iη
     """
 
     real: Harmonics
@@ -213,7 +217,10 @@ def _quarter_period(complement: mpf) -> mpf:
 
 
 def _sum(harmonics: Harmonics, x: mpf, hyperbolic: bool) -> tuple[mpf, mpf]:
-    """Return a real series at x, of sinh and cosh if `hyperbolic`, and its derivative by x."""
+    """Return the value of a real series, and that of its derivative, at x.
+
+    If `hyperbolic`, the harmonics are sinh and cosh.
+    """
     sine: Callable[[mpf], mpf] = mp.sinh if hyperbolic else mp.sin
     cosine: Callable[[mpf], mpf] = mp.cosh if hyperbolic else mp.cos
     kind = harmonics.kind

@@ -67,7 +67,10 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
 
 @lru_cache(maxsize=RECENT)
 def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
-    """Return a scene's problem, constants and terms; kept, as they take as long as many flows."""
+    """Return a scene's problem, and the constants and terms of its equations of motion.
+
+    They are cached, because computing them takes as long as many flows.
+    """
     problem = rotational_problem(scenario)
     terms = terms_of(problem)
     return problem, constants_of(problem)[0], terms._replace(momentum=bool(problem.kept))
@@ -75,7 +78,7 @@ def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
 
 @kernel
 def _advance(series: FloatArray, order: int, h: float) -> None:
-    """Replace order 0 of a series, up to an order, by its sum at a time h, by Horner's rule."""
+    """Replace order 0 of a series by the sum of its orders 0 to `order` at time h, by Horner."""
     for i in range(STATE):
         total = 0.0
         for n in range(order, -1, -1):
@@ -93,7 +96,7 @@ def flow_each(
     spans: FloatArray,
     steps: int,
 ) -> int:
-    """Replace states by those that follow after a span, for each state its own.
+    """Replace each state by the state that the exact motion takes it to, after its own time span.
 
     Parameters
     ----------

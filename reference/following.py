@@ -92,9 +92,10 @@ def follow(
     timestep: float = 0.0,
     fastest: float = math.inf,
 ) -> FloatArray:
-    """Return the states reached from each given state after each of L successive spans.
+    """Return the states that the equations take S states to, after each of L successive spans.
 
-    The parameters are those of `follow_each` without the axis of the sets of equations.
+    The parameters are those of `follow_each` for one set of equations: `states` is (S, 7), `spans`
+    is (S, L), and `timestep` is one number.
 
     Returns
     -------
@@ -114,7 +115,9 @@ def follow_each(
     timesteps: FloatArray | None = None,
     fastest: float = math.inf,
 ) -> FloatArray:
-    """Return the states reached by each of E sets of equations after each of L successive spans.
+    """Return the states that each of E sets of equations takes S states to, after each of L spans.
+
+    Each span begins in the state in which the span before it ends.
 
     One call takes far less time than a call for each set, since Python's overhead exceeds the time
     that most motions take.
@@ -185,9 +188,9 @@ def _size(e: FloatArray, y: FloatArray) -> float:
 
 @called
 def _fill_stage(e: FloatArray, y: FloatArray, stage: FloatArray) -> None:
-    """Write a stage of a Runge-Kutta step, the derivatives at the state y, (10,), into `stage`.
+    """Write q', ω' and the angular velocity at the state y, (7,), into `stage`, (10,).
 
-    They are q', ω' and the angular velocity; `e` has the equations' numbers, from `all_numbers`.
+    They are a stage of a Runge-Kutta step; `e` has the equations' numbers, from `all_numbers`.
     """
     turned, accelerated = rates_of(e, y)
     stage[:4] = 0.0

@@ -44,7 +44,7 @@ SIGN_CHANGE = mpf(1) / 2  # the phase in turns by which theta changes in each ha
 
 @dataclass(frozen=True)
 class JacobiMotion:
-    """ω(t) of a free body, with the axes defined above.
+    """Constants of ω(t) of a free body along the axes e1, e2, e3 that the module defines.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ def free_asymmetric(problem: Problem) -> ClosedForm:
 
 
 def _triad(problem: Problem) -> tuple[tuple[Vector, Vector, Vector], mpf]:
-    """Return e1, e2, e3, the axes defined above, in principal components, and |D|.
+    """Return the axes e1, e2, e3 that the module defines, in principal components, and |D|.
 
     D = L² − 2 E I2 decides which principal axis is e3.
     """
@@ -219,8 +219,9 @@ def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
 
     A vanishes where L3 = −|L|, and B where L3 = |L|.
 
-    I3 a3 dn(iy) = |L| c dn(iy), c = I3 a3/|L|, and dn(iy|m) = dn/cn(y|m1) (DLMF 22.6.12) give
-    tan² am y = (1 − c²)/m c² for B; A has its zero at 2K' less.
+    With c = I3 a3/|L|, L3 = |L| at u = iy means c dn(iy|m) = 1. As dn(iy|m) = dn/cn(y|m1) (DLMF
+    22.6.12), tan² am y = (1 − c²)/(m c²) for B; A vanishes at y − 2K'. Both signs are opposite if
+    ω circulates about the axis of the smallest moment.
     """
     (I1, _, I3), (a1, _, a3) = body.moments, body.amplitudes
     m, away, near = body.lattice.m, (I1 * a1) ** 2, (I3 * a3) ** 2

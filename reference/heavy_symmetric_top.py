@@ -100,7 +100,7 @@ class HeavySymmetricTop:
 
 
 def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
-    """Return the heavy symmetric top that a problem is at t = 0; None if it is no such top.
+    """Return a problem's state at t = 0 as that of a heavy symmetric top; None if it is not one.
 
     The top is on a pivot, or on a table with gravity along the vertical. Effects other than gravity
     are ignored: if there are any, the "constants" of motion hold at t = 0 only.
@@ -241,8 +241,8 @@ def small_nutation_frequency(top: HeavySymmetricTop) -> float:
     """Return the angular frequency of small oscillations of cos β about V_eff's minimum, rad/s.
 
     ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β, where Ω is the rate of steady precession
-    at the minimum, and V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff). On a table it
-    is divided by 1 + ε sin²β.
+    at the minimum, and V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff). On a table ω²
+    is divided by 1 + ε sin²β, ε = `top.heave`.
     """
     with mp.workdps(ROOT_DIGITS):
         u = _bottom(top)

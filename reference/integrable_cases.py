@@ -37,12 +37,15 @@ Frame = tuple[Vector, Vector, Vector]
 
 
 def kovalevskaya_frame(problem: Problem) -> Frame | None:
-    """Return e1, e2, e3, as defined above, in principal components; None for any other top."""
+    """Return the axes e1, e2, e3 of a Kovalevskaya top, in principal components.
+
+    They are those that the module defines; None for any other top.
+    """
     return _equatorial_frame(problem, KOVALEVSKAYA_RATIO)
 
 
 def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
-    """Return e1, e2, e3 of a Goryachev–Chaplygin top, in principal components.
+    """Return the axes e1, e2, e3 of a Goryachev–Chaplygin top, in principal components.
 
     It is None for any other top, and if L·ĝ is not 0 at t = 0.
     """
@@ -78,7 +81,7 @@ def pull_over_third_moment(problem: Problem, frame: Frame) -> float:
 
 
 def _along(problem: Problem, frame: Frame, motion: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """Return ω, rad/s, and the upward vertical along a motion, in e1, e2, e3, (n, 3) each."""
+    """Return components of ω, rad/s, and of the upward vertical along e1, e2, e3, (n, 3) each."""
     frame_body = np.array([to_body(problem, axis) for axis in frame], dtype=float)
     up_body = motion.R_world_body.inv().apply(up_world(problem))
     return motion.omega_body @ frame_body.T, up_body @ frame_body.T

@@ -18,7 +18,8 @@ KINDS = (
 def kind_of(scenario: Scenario) -> str:
     """Return the kind of a scene's motion, one of `KINDS`.
 
-    It is free if no torque turns the body, and heavy if only gravity does.
+    It is free if no effect turns the body, and heavy if only gravity does; a body whose rotors have
+    an angular momentum is neither.
     """
     problem = rotational_problem(scenario)
     if not is_undriven(problem):

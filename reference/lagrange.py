@@ -73,7 +73,10 @@ def lagrange(problem: Problem) -> ClosedForm:
 
 
 def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
-    """Return the upright frame and the top's, whose axes are `triad`, in principal components."""
+    """Return the rotations of a frame with z upward, and of the top's frame with the axes `triad`.
+
+    `triad` is in principal components.
+    """
     up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
     return Frames(conjugate(_upright(up_world)), from_matrix(triad), triad)
 
@@ -164,7 +167,7 @@ def _starts(
 ) -> tuple[InitialValue, InitialValue, InitialValue]:
     """Return A, B and W at t = 0, with their derivatives; the parameters are as in `_swinging`.
 
-    That of W follows from Euler's equations: W' = i (ω3 − d) W + b A B*.
+    W' follows from Euler's equations: W' = i (ω3 − d) W + b A B*.
     """
     W = transverse(omega)
     W_rate = mpc(
@@ -177,9 +180,10 @@ def _starts(
 def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
     """Return the numerators of A, B and W: θ1 or θ2 of an argument shifted to their zero.
 
-    The height is −1 at the argument iy with sc²(y|m1) = (1 + u1)/(u2 − u1); it is 1, or U, at
-    K + iy with nd²(y|m1) = (1 − u1)/(u2 − u1), or (U − u1)/(u2 − u1). These give the sine and
-    cosine of the amplitude of y. On the separatrix θ2 is constant, wherever its zero is.
+    A vanishes where u = cos β is −1: at the argument iy with sc²(y|m1) = (1 + u1)/(u2 − u1). B
+    vanishes where u is 1, W where u is U: at K + iy with nd²(y|m1) = (1 − u1)/(u2 − u1), or
+    (U − u1)/(u2 − u1). These give the sine and cosine of the amplitude of y. On the separatrix θ2
+    is constant, wherever its zero is.
     """
     lattice, below, above = swing.lattice, swing.below, swing.above
     y_A = first_kind(above[0] / above[1], swing.u21 / above[1], lattice.m)
@@ -196,7 +200,7 @@ def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta,
 
 
 def _zero_beyond(to_u2: mpf, to_u3: mpf, swing: Nutation) -> mpf:
-    """Return y of the argument K + iy at which the height has a value u between u2 and u3.
+    """Return y of the argument K + iy at which cos β has a given value u between u2 and u3.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ def assembled(
     flight: Flight,
     kept: FloatArray,
 ) -> Trajectory:
-    """Return a trajectory, as `motion` does, whose samples may be of flights from other starts.
+    """Return a trajectory, as `motion` does, in which each sample may have a flight of its own.
 
     Parameters
     ----------
@@ -97,8 +97,8 @@ def _placed(
 ) -> tuple[FloatArray, FloatArray]:
     """Return position, m, and velocity, m/s, of the centre of mass, (n, 3) each.
 
-    Along world axes along which the body is held they follow from attitude, (n, 4), and ω, rad/s,
-    (n, 3); along the other world axes the body is in free flight.
+    On a world axis along which the body is held, they follow from attitude, (n, 4), and ω, rad/s,
+    (n, 3); on any other world axis the body is in free flight.
     """
     g, t = scenario.gravity_world, flight.seconds[:, None]
     fallen = flight.com_world + flight.velocity_world * t + 0.5 * g * t**2

@@ -152,7 +152,7 @@ def nutation(start: Constants) -> Nutation | None:
 
 
 def turning_points(pole: int, b: mpf, d: mpf, excess: mpf, e: mpf) -> Vector:
-    """Return δ of u1, u2 and u3, measured from a pole; the parameters are as in `Constants`.
+    """Return δ, the distance from a pole, of u1, u2 and u3; parameters are as in `Constants`.
 
     They are the zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd, with u = σ(1 − δ).
     The largest comes from Viète's cosines (DLMF 1.11.iii; all are real); dividing by it leaves a
@@ -182,7 +182,7 @@ def _by_cosines(a2: mpf, a1: mpf, a0: mpf) -> list[mpf]:
 
 
 def _within_bounds(deltas: list[mpf], pole: int) -> Vector:
-    """Return δ of the three roots, with those moved to a pole that rounding has put beyond it.
+    """Return δ of the three roots; a root that rounding has put beyond a pole is moved to the pole.
 
     So −1 ≤ u1, u2 ≤ 1 ≤ u3 holds exactly.
     """

@@ -27,8 +27,8 @@ class OtherEquations(NamedTuple):
 
     I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world
     − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω + Σᵢ P eᵢ × Rᵀ eᵢ
-    + Σᵢ eᵢ × I Rᵀ S R eᵢ, plus the torque of a table's normal force. D is diagonal. The attitude
-    turns at A ω + s − Rᵀ w.
+    + Σᵢ eᵢ × I Rᵀ S R eᵢ, plus the torques of `spring` and of a table's normal force. R is the
+    matrix of q, body to world, and D is diagonal. The attitude turns at A ω + s − Rᵀ w.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class OtherEquations(NamedTuple):
     kept : h, the angular momentum of rotors relative to the body, kg m²/s, (3,)
     gravity_world, pull : g; and l, mass times the lever from a pivot, zero without a pivot; (3,)
     torque, torque_world : (3,)
-    slowing : c, a, b
+    slowing : c, N m s; a, 1/s; and b, which has no unit; (3,)
     damping : the diagonal of D, N m s, (3,)
     friction : f, N m sᵖ⁺¹, and p
     turned_drag : u, v, N m s: resistance to ω turned from body to world axes, or from world to body

@@ -185,7 +185,7 @@ def _of_world(e: FloatArray, R: Matrix, v: Vector) -> Vector:
 def _resistance(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
     """Return the torque of damping, friction and turned drag against ω, N m, body axes.
 
-    The terms of a and b, `slowing`, are not among them, except c.
+    Of the numbers in `slowing`, the coefficient c is included, and a and b are not.
     """
     c, f = e[SLOWING], e[FRICTION]
     speed = math.sqrt(dot(omega, omega))

@@ -52,7 +52,7 @@ class Change:
 
 
 def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Change]:
-    """Return how a problem changes by each number of the start and each parameter, by name.
+    """Return, by name, how a problem changes by a unit change of each start number and parameter.
 
     For a vector the value is a list with a change for each component, for a scalar a single change.
     Mass, com and inertia are those of the scene's `[body]`, without rotors; the inertia is about
@@ -101,7 +101,7 @@ def changed_problem(problem: Problem, change: Change) -> Problem:
 def _of_body(
     scenario: Scenario, q: Quaternion, acting: list[EffectTerms]
 ) -> Callable[[Array, mpf, Array], Change]:
-    """Return a function that makes a `Change` of changes of the body's numbers.
+    """Return a function that computes the `Change` of a problem from changes of its body.
 
     Its arguments are the changes of the inertia about the com, kg m², of the mass, kg, and of the
     com, m, in body axes.

@@ -21,7 +21,7 @@ class Problem:
     moments : principal moments of inertia about the fixed point, kg m²
     q_world_axes : attitude at t = 0, of unit norm to working precision
     omega_axes : angular velocity at t = 0 along the principal axes, rad/s
-    lever_axes : mass times the centre of mass from the fixed point, kg m; zero unless
+    lever_axes : mass times the vector from the fixed point to the centre of mass, kg m; zero unless
         the scene has both a pivot and gravity
     gravity_world : acceleration, m/s²
     torque_axes, torque_world : constant torques along the principal and the world axes, N m
@@ -54,7 +54,7 @@ class Problem:
 
     @property
     def slides(self) -> bool:
-        """Whether the point that holds the body slides on a plane."""
+        """Whether the body has a tip, other than its com, that slides on a table."""
         return any(self.tip_axes)
 
     @property
@@ -75,7 +75,7 @@ class Problem:
         return mp.sqrt(dot(self.tip_axes, self.tip_axes)) ** 2 * self.mass
 
     def lengthened(self, factor: mpf) -> "Problem":
-        """Return the problem with levers longer by a factor; its table, if any, can also pull."""
+        """Return the problem with levers longer by a factor; lift-off does not end its motion."""
         levers = {
             name: tuple(factor * component for component in getattr(self, name))
             for name in ("lever_axes", "tip_axes")

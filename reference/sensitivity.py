@@ -284,7 +284,7 @@ def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatA
 
 
 def _first_order(row: Tables, orders: Orders) -> Tables:
-    """Return an empty series whose order 0 begins with a given row, as high and low parts."""
+    """Return a series of zeros, except that order 0 begins with `row`, as high and low parts."""
     series = np.zeros((2, orders.total + 1, WIDTH))
     series[:, :1, : row[0].shape[1]] = row
     return series[0], series[1]
@@ -300,7 +300,7 @@ def _translated(
 
     Parameters
     ----------
-    by_name : changes of the problem, by the number that derivatives are by
+    by_name : changes of the problem, by the name of what derivatives are with respect to
     turned : derivatives of attitude and ω, by the same names
     """
     flying = ~np.array(scenario.constraint.is_held)
@@ -368,7 +368,9 @@ def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
 def _apart(
     coarser: tuple[Arrays, Arrays], finer: tuple[Arrays, Arrays], rate: float
 ) -> dict[str, float]:
-    """Return the difference of two solutions for each array, relative to its largest value.
+    """Return for each array the difference of two solutions relative to the array's largest value.
+
+    `ROUNDING` is added to each difference.
 
     Parameters
     ----------

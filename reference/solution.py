@@ -43,7 +43,8 @@ class Solution:
     def ends_before(self, duration: float) -> str:
         """Return a message that the body leaves its table before a window ends; empty if not.
 
-        The solution must be that of the window: no time is compared with `duration`.
+        The solution must be at the times of this window: the lift-off is not compared with
+        `duration`.
 
         Parameters
         ----------

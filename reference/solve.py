@@ -67,11 +67,12 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
 
 
 def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Solution]:
-    """Return the exact motion of a scene at several rows of times, for one of very many scenes.
+    """Return the exact motion of a scene at each of several rows of times, at low cost.
 
-    Conditioning may be NaN, because no verdict depends on one of many scenes. A closed form is used
-    only where the series does not reach the last time, as beside a saddle: finding it costs as much
-    as hundreds of radians of the series. It raises what `solve` raises.
+    It is for studies of very many scenes: conditioning may be NaN, because no verdict depends on a
+    single one of them. A closed form is used only where the series does not reach the last time, as
+    beside a saddle: finding a closed form costs as much as hundreds of radians of the series. The
+    function raises what `solve` raises.
 
     Parameters
     ----------
@@ -177,7 +178,7 @@ def solve_ode(scenario: Scenario, times: FloatArray) -> Trajectory:
 def _solve_closed(
     scenario: Scenario, problem: Problem, closed: ClosedForm, times: FloatArray
 ) -> Solution:
-    """Return the solution by a closed form, compared with the ODE for its uncertainty."""
+    """Return the solution by a closed form; the ODE is compared with it to find its uncertainty."""
     trajectory = motion(scenario, problem, times, closed.states(times))
     rate = fastest_rate(scenario, trajectory.omega_body)
     checked = _checked_times(times, rate)
@@ -198,8 +199,8 @@ def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -
     """Return how far a closed form, `by_form`, is from the ODE while the ODE is accurate.
 
     Beside a saddle the ODE's solution is inaccurate: its rounding error grows, and that of the
-    closed form does not. Where the two differ, the most expensive series is used instead, up to the
-    sample where the next cheaper series departs from it.
+    closed form does not. If the two differ, the closed form is compared with the most expensive
+    series instead, up to the sample where the usual series departs from that series.
     """
 
     def by_ode(orders: Orders) -> Trajectory:
@@ -217,7 +218,7 @@ def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -
 def _count_of_agreeing_samples(
     scenario: Scenario, trajectory: Trajectory, coarser: Trajectory
 ) -> int:
-    """Return at how many first samples ω and attitude agree to `MAX_UNCERTAINTY`."""
+    """Return the number of samples before ω or attitude first differ beyond `MAX_UNCERTAINTY`."""
     series = error_series(scenario, trajectory, coarser)
     beyond = np.flatnonzero(np.maximum(series["omega"], series["attitude"]) > MAX_UNCERTAINTY)
     return int(beyond[0]) if len(beyond) else len(trajectory.t)
@@ -228,8 +229,9 @@ def _conditioning_of_closed(
 ) -> Errors:
     """Return the conditioning of a motion in closed form.
 
-    At times that the ODE integrator reaches quickly, those of `within_reach`, it is computed by the
-    ODE, and at later times by closed forms, which cost more for each changed problem.
+    It is computed by the ODE at the times of `within_reach`, which the ODE integrator reaches
+    quickly. If `trajectory` goes further, it is also computed by closed forms, which cost more for
+    each changed problem, and the larger result is returned.
     """
 
     def by_ode(neighbour: Problem) -> Trajectory:
@@ -347,7 +349,7 @@ def _checked_times(times: FloatArray, rate: float) -> FloatArray:
 
 
 def _larger(errors: Errors, others: Errors) -> Errors:
-    """Return the larger of two errors for each signal."""
+    """Return for each signal the larger of its two errors."""
     return Errors(**{name: max(size, others[name]) for name, size in errors})
 
 

@@ -65,7 +65,7 @@ def moved_states(
 
 
 def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:
-    """Return a motion whose com follows from attitude and ω along axes that are held."""
+    """Return a motion whose com and velocity follow from attitude and ω along held axes."""
     constraint = scenario.constraint
     swing_world = motion.to_world(np.cross(motion.omega_body, constraint.lever))
     return replace(

@@ -194,7 +194,7 @@ def constants_of(problem: Problem) -> Tables:
 
 
 def derived_constants(problem: Problem, changed: Problem) -> Tables:
-    """Return the derivatives of `constants_of` by a number that the constants are linear in.
+    """Return the derivatives of `constants_of` with respect to a number in which they are linear.
 
     Parameters
     ----------

@@ -131,7 +131,7 @@ def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
 def _expand(
     series: Tables, constants: Tables, inverses: Tables, terms: Terms, total: int, paired: int
 ) -> None:
-    """Compute all orders of a series from the state in order 0, the first `paired` in pairs."""
+    """Compute all orders of a series from order 0, the first `paired` of them in double-double."""
     start_from_state(series, constants, terms)
     extend(series, constants, inverses, terms, 0, paired)
     extend(series[0], constants[0], inverses[0], terms, paired, total)
@@ -139,7 +139,7 @@ def _expand(
 
 @kernel
 def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> bool:
-    """Whether, at a time t from the centre, the table pushes up and the com is above the tip."""
+    """Whether the table pushes up and the com is above it, at a time t from the step's start."""
     force, along = 0.0, 0.0
     for n in range(total - 1, -1, -1):
         force = force * t + series[n, PRESSED]

@@ -28,7 +28,7 @@ A, B, W, OMEGA3, THETA4, ROWS = 0, 1, 2, 3, 4, 5
 
 
 class ThetaTables(NamedTuple):
-    """The constants of a motion as the kernel needs them; `theta_quotients` has the formulas.
+    """The constants of a closed form for the kernel; the formulas are in `theta_quotients`.
 
     Attributes
     ----------

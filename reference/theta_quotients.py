@@ -39,7 +39,7 @@ class ClosedForm:
     Attributes
     ----------
     label : how it was solved, in words
-    tables : constants of the motion
+    tables : constants of the theta quotients
     residual : relative error with which the constants solve the equations of motion;
         a rounding error of extended precision if the formulas are right
     period : period of the angular velocity of a free body, or of the nutation of a heavy top, s;
@@ -136,16 +136,17 @@ ONE = Harmonics(EVEN_COSINE, (mpf(1),))
 
 
 def turning(value: mpc, rate: mpf = 0) -> Quotient:
-    """Return the quotient whose value at t = 0 turns at a rate in rad/s: value · e^{i rate t}."""
+    """Return the quotient value · e^{i rate t}, without theta functions; `rate` is in rad/s."""
     real = Harmonics(EVEN_COSINE, (abs(value),))
     turns = mp.arg(value) / (2 * mp.pi)
     return Quotient(real, NOTHING, False, 0, rate / (2 * mp.pi), turns, mpf(0))
 
 
 def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Quotient:
-    """Return a quotient over θ4 without a phase, except for what it turns in each cell.
+    """Return a quotient with the denominator θ4 whose phase changes only from cell to cell.
 
-    `turns_per_cell` is half a turn for a function that changes its sign in each cell, else 0.
+    `turns_per_cell`, its change by each period of x, is half a turn for a function that changes its
+    sign in each cell, else 0.
     """
     return Quotient(real, imaginary, False, 2, mpf(0), mpf(0), turns_per_cell)
 
@@ -200,7 +201,7 @@ def fitted(
 
 
 def tables(clock: Clock | None, quotients: Sequence[Quotient], frames: Frames) -> ThetaTables:
-    """Return a motion's constants, rounded to doubles and double-doubles for the kernel.
+    """Return the constants of a closed form for the kernel, rounded to doubles and double-doubles.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ class ErrorSeries:
     ----------
     signals : the signals that the scene has
     distances : the distance in each signal, rad for the attitude, relative for the others,
-        (n, signals); ``series[name]`` is that in one, (n,)
+        (n, signals); ``series[name]`` is the distance in one signal, (n,)
     """
 
     signals: tuple[Signal, ...]
@@ -35,7 +35,7 @@ class ErrorSeries:
     def first_beyond(self, name: str, bound: float) -> int | None:
         """Return the index of the first sample at which a signal's distance exceeds a bound.
 
-        A distance that is NaN counts as beyond it. None if there is no such sample.
+        A distance that is NaN counts as above the bound. None if there is no such sample.
 
         Parameters
         ----------
@@ -166,7 +166,7 @@ def errors_between(scenario: Scenario, motion: Trajectory, exact: Trajectory) ->
 
 @lru_cache(maxsize=RECENT)
 def norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
-    """Return the norm of errors from an exact motion; it is kept for all runs of the scene."""
+    """Return the norm of errors from an exact motion; it is cached for all runs of the scene."""
     return ErrorNorm(scenario, exact)
 
 

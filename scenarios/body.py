@@ -88,7 +88,7 @@ class Body:
 def _ascending(tensor: Tensor) -> FloatArray:
     """Return the principal moments of a tensor, ascending, kg m², (3,).
 
-    They are kept, since the same tensor is often asked for with another com.
+    They are cached, because bodies that differ only in their com have the same tensor.
     """
     with mp.workdps(DIGITS):
         if all(tensor[i][j] == 0 for i in range(3) for j in range(3) if i != j):

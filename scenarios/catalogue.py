@@ -34,9 +34,9 @@ def scenario_files(folder: Path) -> list[Path]:
 
 
 def hiding_the_library(names: Iterable[str]) -> list[str]:
-    """Return a warning for each name that means a file here although the library has it, too.
+    """Return a warning for each name found in the current folder that the library has, too.
 
-    "Here" is the current folder; a name is what a user types for a scene or a folder of scenes.
+    A name is what a user types for a scene or a folder of scenes.
     """
     there = {path: name for name in names for path in _of_current_folder(name)}
     known = {one for path in _library() for one in (path.stem, path.parent.name)} if there else ()
@@ -97,7 +97,7 @@ def _library() -> list[Path]:
 
 
 def _of_current_folder(name: str) -> Iterator[Path]:
-    """Yield the paths in the current folder that a name without an ending means."""
+    """Yield the existing paths in the current folder that a name without an ending stands for."""
     if name.endswith(".toml"):
         return
     for path in (Path(name), Path(f"{name}.toml")):

@@ -47,8 +47,8 @@ class Constraint:
         Parameters
         ----------
         lever_world : the lever at these attitudes, m
-        flown_world : position of the centre of mass in free flight, which holds along axes that
-            are not held, m
+        flown_world : position of the centre of mass in free flight, m, which is returned along axes
+            that are not held
         """
         place_world = np.array(self.place_exact, dtype=float)
         return np.where(self.is_held, place_world + lever_world, flown_world)
@@ -59,7 +59,7 @@ class Constraint:
         Parameters
         ----------
         swing_world : ω × lever in these states, m/s
-        flown_world : velocity of the centre of mass in free flight, which holds along axes that
-            are not held, m/s
+        flown_world : velocity of the centre of mass in free flight, m/s, which is returned along
+            axes that are not held
         """
         return np.where(self.is_held, swing_world, flown_world)

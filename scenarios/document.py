@@ -104,10 +104,10 @@ class BodyTable(Table):
         return self
 
     def _asymmetric(self) -> tuple[int, int, float, float] | None:
-        """Return row and column of an asymmetric product of inertia, the product, and its mirror.
+        """Return i, j, I_ij and I_ji of the first product of inertia for which I_ij is not I_ji.
 
         Products that differ by rounding only, as of a matrix R D Rᵀ, count as equal. It is None if
-        all are equal, or if the inertia is not a matrix.
+        the matrix is symmetric, or if the inertia is not a matrix.
         """
         if self.inertia is None or not isinstance(self.inertia[0], tuple):
             return None
@@ -300,7 +300,7 @@ class Document(Table):
 
 @lru_cache(maxsize=1)
 def _body(table: BodyTable) -> Body:
-    """Return the body that `[body]` describes; it is kept between the check and the use."""
+    """Return the body that `[body]` describes; it is cached, as it is made for checks first."""
     if table.particles is not None:
         return body_of_particles(table.particles)
     mass, matrix = table.mass, table.inertia_matrix

@@ -143,7 +143,7 @@ def add(a: Tensor, b: Tensor, sign: int = 1) -> Tensor:
 
 
 def turned_tensor(tensor: Tensor, q: Quaternion) -> Tensor:
-    """Return a tensor I along the axes to which q turns its own axes: Rᵀ I R, R the matrix of q.
+    """Return the components Rᵀ I R of a tensor I along its axes turned by q; R is q's matrix.
 
     The result is symmetric to the last digit.
     """

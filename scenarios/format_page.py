@@ -155,7 +155,7 @@ def _words(annotation: Any) -> str:
 
 
 def _row(arguments: tuple[Any, ...]) -> str:
-    """Return in words which values a tuple of these types allows."""
+    """Return in words which values a tuple type allows, given the types of its entries."""
     words = [_words(one) for one in arguments if one is not Ellipsis]
     if Ellipsis in arguments:
         return "array of tables" if words == ["table"] else f"list of {words[0]}"

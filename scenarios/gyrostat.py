@@ -102,7 +102,7 @@ class Rotors:
 
     @cached_property
     def axial_body(self) -> FloatArray:
-        """C u of each rotor, which times its spin is its part of L, kg m², (rotors, 3).
+        """C u of each rotor; times the rotor's spin it is the spin's part of L, kg m², (rotors, 3).
 
         It is zero for a locked rotor.
         """
@@ -151,9 +151,9 @@ class Rotors:
     ) -> tuple[FloatArray, FloatArray]:
         """Return the sizes of terms that cancel in coordinates that turn with a rotor, (n,) each.
 
-        An engine with such coordinates adds them up with rounding errors in proportion to their
-        sizes. They are forces, Σ m r s², N, and torques, Σ (C + m d r) s², N m, with d a rotor's
-        distance from the com and r = d + far its distance from the coordinates' origin.
+        An engine with such coordinates adds up these terms with rounding errors in proportion to
+        their sizes. The sizes are those of forces, Σ m r s², N, and torques, Σ (C + m d r) s², N m,
+        with d a rotor's distance from the com and r = d + far that from the coordinates' origin.
 
         Parameters
         ----------
@@ -170,7 +170,8 @@ class Rotors:
     def sizes(self, omega_body: FloatArray) -> tuple[FloatArray, float]:
         """Return sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
-        A size is |C s| + C |u·ω| at the start, which is not zero for a rotor that can turn.
+        The size of a rotor's angular momentum is C |s| + C |u·ω| at the start. It is zero only if
+        the rotor does not turn about its axle then, neither in the body nor with it.
 
         Parameters
         ----------

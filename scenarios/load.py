@@ -84,7 +84,7 @@ def loads(text: str, name: str, path: Path | None = None) -> Scenario:
 
 
 def from_tables(tables: Mapping[str, Any], name: str = "scene") -> Scenario:
-    """Return the scenario whose file would have given TOML tables.
+    """Return the scenario that TOML tables describe, as if they had been read from its file.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
 
 
 def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -> Scenario:
-    """Return the scenario of parsed tables after all checks between them.
+    """Return the scenario of parsed tables, after all checks of tables and of their consistency.
 
     Raises
     ------

@@ -47,11 +47,12 @@ def _key_lines(text: str) -> dict[Keys, int]:
 
 
 def _table_path(brackets: str, name: str, seen: dict[str, int]) -> Keys:
-    """Return the path of keys to the table of a heading.
+    """Return the path of keys to the table of a heading such as `[effects.drag]`.
 
     Parameters
     ----------
-    brackets : `[` of a table, or `[[` of one in an array of tables
+    brackets : `[` for a table, or `[[` for an entry of an array of tables
+    name : what stands in the brackets
     seen : index of the last table of each array, which is updated
     """
     if brackets == "[":
@@ -63,7 +64,7 @@ def _table_path(brackets: str, name: str, seen: dict[str, int]) -> Keys:
 def _open_quote(line: str, quote: str | None) -> str | None:
     """Return the delimiter of the multi-line string that is open at the end of a line, or None.
 
-    `quote` is the one that is open at the line's start, or None.
+    `quote` is the delimiter of the string that is open at the line's start, or None.
     """
     for mark in re.findall(r'"""|\'\'\'', line):
         if quote is None:

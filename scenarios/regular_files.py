@@ -39,7 +39,7 @@ def read_regular(path: Path, limit: int) -> bytes:
 
 
 def is_own(folder: Path) -> bool:
-    """Whether this user or root owns a folder, not writable by all; true if it does not exist.
+    """Whether a folder is this user's or root's and not writable by all; true if it is missing.
 
     Write access of its group, or by access-control lists, is not examined. True on Windows.
     """

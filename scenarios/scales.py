@@ -39,7 +39,7 @@ def check_scales(scenario: Scenario, until: float | None = None) -> None:
     Raises
     ------
     Misfit
-        If one of them is.
+        If a size or a rate is.
     """
     span = mpf(scenario.window.duration if until is None else until)
     with mp.workdps(DIGITS):

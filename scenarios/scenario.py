@@ -158,7 +158,7 @@ class Scenario:
     def kept_sizes(self) -> tuple[FloatArray, float]:
         """Sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
-        They are not zero for a rotor that can turn; see `Rotors.sizes`.
+        They are those of `Rotors.sizes`, at the start.
         """
         return self.rotors.sizes(self.start.omega_body)
 
@@ -231,7 +231,7 @@ class Scenario:
         }
 
     def table_of(self, model: type[T]) -> T | None:
-        """Return an effect's table in the scene file, parsed; None if the scene does not have it.
+        """Return an effect's parsed table in the scene's `[effects]`; None if it is not there.
 
         Parameters
         ----------
@@ -286,7 +286,7 @@ def started_at(
     velocity_world: Sequence[float] | FloatArray,
     spins: Sequence[float] | FloatArray | None = None,
 ) -> Scenario:
-    """Return a scene with another state at its start, and otherwise as `with_tables` does.
+    """Return a scene with another state at its start; the rest is as `with_tables` returns it.
 
     Parameters
     ----------

@@ -64,10 +64,10 @@ class Signal:
     base : returns the number that distances are relative to, in the signal's unit
     depends_on : which of "omega" and "attitude" bound the signal's order of accuracy by their own
     exists : returns whether a scene has the signal
-    in_flight : returns the relative change of the signal of a free body by one ulp in each number
-        of its state, given the changes, as `Errors`, of its rotation; it allows for engines that
-        integrate the flight of another point than the com. None if the signal changes by the
-        rotation alone
+    in_flight : returns how much the signal of a free body changes, relative, if each number of its
+        state changes by one ulp, given the changes that come from the rotation's numbers, as
+        `Errors`; it allows for engines that integrate the flight of another point than the com.
+        None if the signal depends on the rotation alone
     """
 
     name: str
@@ -93,7 +93,7 @@ class Signal:
 
     @property
     def shown(self) -> float:
-        """Factor of the signal's errors as people read them: angles are shown in degrees."""
+        """Factor that errors are multiplied by when they are shown: it makes degrees of rad."""
         return math.degrees(1.0) if self.unit == "rad" else 1.0
 
     @property
@@ -116,11 +116,11 @@ class Signal:
         return min(orders[name] for name in self.depends_on)
 
     def growth(self, scene: Scene, exact: Trajectory, conditioning: Errors) -> float:
-        """Return the signal's relative change by one ulp in each number of a free body's state.
+        """Return the signal's relative change if each number of the free body changes by one ulp.
 
         Parameters
         ----------
-        conditioning : the changes of all signals by one ulp in the numbers of the rotation
+        conditioning : the changes of all signals if only the numbers of the rotation change
         """
         of_rotation = conditioning[self.name]
         return self.in_flight(scene, exact, conditioning) if self.in_flight else of_rotation
@@ -132,21 +132,21 @@ def radius_of_gyration(scene: Scene) -> float:
 
 
 def _way(scene: Scene, exact: Trajectory) -> float:
-    """Return the com's largest distance from its start, m, at least the radius of gyration."""
+    """Return the com's largest distance from its start or, if larger, the radius of gyration, m."""
     return max(_longest(exact.com_world - exact.com_world[0]), radius_of_gyration(scene))
 
 
 def _speed(scene: Scene, exact: Trajectory) -> float:
-    """Return the com's largest speed, m/s, at least |ω| times the radius of gyration."""
+    """Return the com's largest speed or, if larger, largest |ω| times radius of gyration, m/s."""
     turning = radius_of_gyration(scene) * _longest(exact.omega_body)
     return max(_longest(exact.velocity_world), turning)
 
 
 def _moved(scene: Scene, exact: Trajectory, growth: Errors) -> tuple[float, float]:
-    """Return the changes of a free body's position, m, and velocity, m/s, by one ulp.
+    """Return how much a free body's position, m, and velocity, m/s, change if its numbers do.
 
-    The ulp is in each number of the state and in the arm from the body's origin to the com;
-    `growth` has the changes of the rotation by it.
+    The numbers are those of the state and the arm from the body's origin to the com, and each
+    changes by one ulp; `growth` has the changes of the rotation that result.
     """
     arm = float(np.linalg.norm(scene.body.com))
     fast, speed = _longest(exact.velocity_world), _longest(exact.omega_body)
@@ -175,7 +175,7 @@ def _velocity_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> floa
 
 
 def _fastest(_: Scene, exact: Trajectory) -> float:
-    """Return the largest norm of the rotors' spins, at least the largest |ω|, rad/s."""
+    """Return the larger of the largest norm of the rotors' spins and the largest |ω|, rad/s."""
     return max(_longest(exact.spins), _longest(exact.omega_body))
 
 

@@ -41,7 +41,7 @@ def _prose(text: str) -> str:
 
 
 def _whole_number(value: Any) -> Any:
-    """Return a whole number as it is; raise `ValueError` for others, as for true and 1.0."""
+    """Return a value that is an integer; raise `ValueError` for any other, also true and 1.0."""
     if type(value) is not int:
         raise ValueError(f"must be a whole number, got {value!r}")
     return value

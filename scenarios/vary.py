@@ -1,4 +1,4 @@
-"""Makes a scene from another one's file, with other tables.
+"""Makes a new scene from the file of a given scene, with some tables changed.
 
 What only holds for the original scene is left out, and the same checks apply as to a file.
 """
@@ -23,7 +23,7 @@ def own_tables(scenario: Scenario) -> dict[str, Any]:
 
 
 def rewritten(scenario: Scenario, tables: Mapping[str, Any], changes: str) -> Scenario:
-    """Return the scene that other TOML tables describe, under the name of a given scene.
+    """Return the scene that given TOML tables describe, under the name of `scenario`.
 
     Parameters
     ----------

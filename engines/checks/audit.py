@@ -14,8 +14,8 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[froze
     -------
     The effects that acted, as returned by `Session.active`, and words on how they differ from the
     effects that the scene calls for. The words are empty if no effect differs, or if the run is not
-    ok. No effects are returned if the run failed or the session cannot be audited, which the words
-    say.
+    ok. No effects are returned if the run failed or the session cannot be audited; the words say so
+    if a run that is ok cannot be audited.
 
     Raises
     ------

@@ -253,7 +253,7 @@ def start_state(scenario: Scenario) -> State:
 def _pairs(
     scenario: Scenario, reading: BodyReading, state: State
 ) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
-    """Yield each quantity that is read back but the attitude.
+    """Yield each quantity that is read back, except the attitude.
 
     It yields the quantity's name, the engine's value, the scene's value, and the size that the
     tolerance is relative to.

@@ -221,7 +221,7 @@ A = TypeVar("A", bound=ChildAnswer)
 
 
 class Misanswer(ValueError):
-    """An answer breaks the protocol; the message goes on a sentence that begins "its answer"."""
+    """An answer breaks the protocol; the message continues a sentence begun with "its answer"."""
 
 
 def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:

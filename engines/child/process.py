@@ -132,7 +132,7 @@ class ChildProcess:
     def can_open(self) -> bool:
         """Whether the child may be given another scene.
 
-        After an answer with an error it is not: the engine may have no memory left, or be broken.
+        It may not after an answer with an error: the engine may have no memory left, or be broken.
         """
         return self.usable and not self._has_refused
 

@@ -57,7 +57,7 @@ class ChildSession(Session):
         return self._frame.body(reading)
 
     def _count(self, what: str, values: Sequence[object]) -> None:
-        """Raise `EngineError` unless there is a value for each part; `what` is their name."""
+        """Raise `EngineError` unless there is a value for each part; `what` names the values."""
         if len(values) != self._parts:
             words = f"{what!r} must have one entry a part, {self._parts}, got {len(values)}"
             raise EngineError(words, "protocol")

@@ -117,9 +117,9 @@ def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
     """Return qpos and qvel at t = 0.
 
     A ball joint has the attitude (w, x, y, z) and ω in body axes; angles and spins of rotors that
-    turn come last. A free joint begins with the position and velocity of the body frame's origin,
-    not of the com, in world axes (MuJoCo documentation, "Floating objects"), slides begin with the
-    tip's.
+    turn come last. Those of a free joint begin with the position and velocity of the body frame's
+    origin, not of the com, in world axes (MuJoCo documentation, "Floating objects"); those of a
+    body on slides begin with the position and velocity of its tip along the slides.
     """
     start, constraint, rotors = scenario.start, scenario.constraint, scenario.rotors
     q, omega_body, lever = start.q_exact, start.omega_body_exact, constraint.lever_exact

@@ -157,7 +157,7 @@ def _add_link(
     thickness : relative amount by which the largest moment stays below the sum of the others; not
         for a tensor that is written whole
     whole : whether the tensor is written along the body's axes, with products of inertia; if not,
-        the principal moments are, in a turned inertial frame
+        the principal moments are written, and the inertial frame is turned
     """
     link = ET.SubElement(robot, "link", name=name)
     if body is None:

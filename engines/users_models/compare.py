@@ -29,7 +29,8 @@ class BodyDifference:
     com : distance of the coms, relative to the radius of gyration or |com| of the file's body,
         whichever is larger
     inertia : norm of the difference of the tensors about the com, relative to the file's tensor
-    axes_deg : the smallest rotation between the principal axes; 0 if both have three equal moments
+    axes_deg : the smallest rotation between the principal axes, free axes chosen as in
+        `angle_between_axes`
     """
 
     mass: float
@@ -71,8 +72,8 @@ def _relative(value: float, size: float) -> float:
 def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
     """Return the smallest rotation that takes the principal axes of one tensor to the other's, rad.
 
-    Axes are paired by the order of their moments; where two moments are equal, the choice of their
-    axes is free.
+    Axes are paired by the order of their moments. Where two moments of either tensor are equal, the
+    choice of their axes is free in both; 0 is returned if this leaves no axis determined.
     """
     (moments, axes), (other_moments, other_axes) = np.linalg.eigh(one), np.linalg.eigh(other)
     free = _equal_pairs(moments) | _equal_pairs(other_moments)
@@ -212,7 +213,7 @@ def _size(stated: FloatArray, got: FloatArray, apart: BodyDifference) -> str:
 
 
 def _close(one: FloatArray, other: FloatArray) -> bool:
-    """Whether two tensors differ by no more than `AGREES`, relative to the norm of the other."""
+    """Whether two tensors differ by no more than `AGREES`, relative to the norm of `other`."""
     return bool(np.linalg.norm(one - other) <= AGREES * np.linalg.norm(other))
 
 

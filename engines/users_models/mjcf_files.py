@@ -81,11 +81,11 @@ class CheckedFiles:
             left += [(child, depth + 1) for child in element.children]
 
     def _contents(self, element: Element, included: set[Path]) -> list[Element]:
-        """Return the elements of the file that an `include` names; else the element alone.
+        """Return the elements of the file that an `include` names; any other element, alone.
 
         Parameters
         ----------
-        included : the files included so far, to which this one is added
+        included : the files that were included before, to which the named file is added
 
         Raises
         ------

@@ -28,7 +28,7 @@ class Pose:
     R: FloatArray = field(default_factory=lambda: np.eye(3))
 
     def then(self, inner: "Pose") -> "Pose":
-        """Return, in this pose's outer frame, the pose of a frame at `inner` in its inner frame."""
+        """Return the pose, in the outer frame, of a frame that has the pose `inner` in this one."""
         return Pose(self.position + self.R @ inner.position, self.R @ inner.R)
 
 
@@ -102,7 +102,7 @@ class Link:
 
     @property
     def has_inertia(self) -> bool:
-        """Whether the file states a mass and a tensor for the link, neither of them zero."""
+        """Whether the file states a positive mass and a tensor other than zero for the link."""
         return self.stated is not None and self.stated.is_physical
 
 

@@ -29,7 +29,7 @@ _OTHERS = "Others"
 
 
 class GroupedCommands(TyperGroup):
-    """The group of all commands, whose help lists them under `GROUPS`, and all others last."""
+    """The group of all commands; its help lists them by `GROUPS`, those of no group at the end."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section of the help for each group of commands."""
@@ -91,7 +91,7 @@ class ErrorBoundsCommand(TyperCommand):
     """
 
     def get_params(self, ctx: Any) -> Any:
-        """Return the command's parameters; options for signals' bounds come after the first."""
+        """Return the command's parameters, with options for signals' bounds in second place."""
         first, *others = super().get_params(ctx)
         return [first, *_bounds(), *others]
 

@@ -43,9 +43,9 @@ class PlannedRun:
     def is_answered_by(self, row: Row) -> bool:
         """Whether a stored row answers the run, which then is not made again.
 
-        The row of an `ok` run must have the motion at all samples, which is judged, drawn, and
-        compared with expectations; but not if the run was judged before, or is at a single timestep
-        or above the ladder and has no expectations.
+        The row of an `ok` run must have the motion at all samples, as this is judged, drawn, and
+        compared with expectations. It need not have it if the run was judged before, or is at a
+        single timestep or above the ladder and has no expectations.
         """
         if row.outcome != "ok" or self.judged:
             return True
@@ -226,7 +226,7 @@ class ConvergenceStudy:
         """Return the timesteps, s, of the runs whose samples are not needed after the verdict.
 
         Samples are needed of the finest run that has them and of runs at stock timesteps, which a
-        report shows, and of runs with expectations, to tell from which time on one is not met.
+        report shows, and of runs with expectations, to tell since when an expectation is not met.
         """
         rows = self.rows + self.single_rows + self.above_rows
         kept = {single.rung.timestep for single in self.singles if single.expectations}
@@ -250,7 +250,7 @@ class ConvergenceStudy:
 
     @property
     def _is_hopeless(self) -> bool:
-        """Whether the method cannot simulate the scene, or failed at every timestep so far."""
+        """Whether the method cannot simulate the scene, or failed in every run of the ladder."""
         if self.engine.unsupported(self.scenario, self.method):
             return True
         return bool(self.rows) and all(map(self.records.is_hopeless, self.rows))

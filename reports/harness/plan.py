@@ -60,8 +60,8 @@ class Plan:
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
     """Determine which results of a study are missing from the store.
 
-    Outdated results do not count. Stored costs of other processors are deleted, and if
-    `Choice.again` is set, the stored results asked for.
+    Outdated results do not count. Stored costs of other processors are deleted. If `Choice.again`
+    is set, the stored results that the choice asks for are deleted, too.
     """
     if choice.again:
         store.forget(key for scenario in scenarios for key in choice.methods_on(scenario))

@@ -23,7 +23,7 @@ class Prepared:
     ----------
     solution : the exact motion at the ladder's sample times
     singles : single timesteps with their samples, and the exact motion at these
-    stock : the runs at stock timesteps, made or refused
+    stock : the runs at stock timesteps, those that are to be made and those that are refused
     places : exact states from which single steps are tested, and the timesteps of these steps
     """
 

@@ -28,7 +28,7 @@ __all__ = ["exact", "gradients", "judge", "judge_timesteps", "load", "results", 
 
 
 def load(scene: "Scene", name: str = "scene") -> "Scenario":
-    """Return a scene.
+    """Return a scene as a `Scenario`, read and checked.
 
     A file of the current folder, such as `./fast-top.toml`, takes precedence over a scene of the
     library; then a warning is logged.
@@ -139,10 +139,11 @@ def judge(
         from the attitudes
     com, velocity : (n, 3) m and m/s, world axes, of the centre of mass, if recorded
     spins : (n, rotors) rad/s, relative to the body, of a scene with rotors, if recorded
-    timestep : the timestep that a method made it with, s; if None, its samples' distance is assumed
-    precision : "single" or "double", in which it was computed; if None, it is found from the
-        numbers
-    order : order of accuracy of the method that made it
+    timestep : timestep with which the motion was computed, s; if None, the time between samples is
+        assumed
+    precision : "single" or "double", in which the motion was computed; if None, it is found from
+        the numbers
+    order : order of accuracy of the method with which the motion was computed
     noise_attitude, noise_omega : standard deviations of measured numbers, rad and rad/s; estimated
         if both are left out
 
@@ -165,7 +166,7 @@ def judge(
 
 
 def judge_timesteps(scene: "Scene", motions: "Sequence[JudgedMotion]", order: int = 1) -> "Verdict":
-    """Return the verdict on motions of one method, each with half the timestep of another.
+    """Return the verdict on a method, from its motions at a timestep halved again and again.
 
     Parameters
     ----------
@@ -219,7 +220,7 @@ def results(path: "str | Path") -> "StoredResults":
 
 
 def _compile_first() -> None:
-    """Compile the solver if it is not compiled yet; a logged warning says why that takes long."""
+    """Compile the solver if it is not compiled yet, after a logged warning that this takes long."""
     from logging import getLogger
 
     from spincheck.reports.harness.executors.compiling import compile_first

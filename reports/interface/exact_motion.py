@@ -29,7 +29,7 @@ class ExactStates:
     q_world_body_wxyz : (n, 4) unit quaternions, scalar first: body to world components
     omega_body, omega_world : (n, 3) rad/s
     com_world, velocity_world : (n, 3) m and m/s, of the centre of mass
-    spins : (n, parts) rad/s, of parts that turn in the body, relative to it
+    spins : (n, rotors) rad/s, of the rotors, relative to the body
     angular_momentum_world : (n, 3) kg m²/s, about the pivot, or the com where there is none
     energy : (n,) J, kinetic and potential, the latter zero at the world's origin
     uncertainty : an upper bound on the error in each signal: `uncertainty["attitude"]` in rad,

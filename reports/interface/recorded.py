@@ -29,15 +29,15 @@ ARGUMENTS = {
 
 @dataclass(frozen=True)
 class Made:
-    """How a recorded motion was made.
+    """How a recorded motion was computed or measured.
 
     Attributes
     ----------
-    timestep : s; None if it is not known
+    timestep : timestep of the method, s; None if it is not known
     precision : "double" or "single"; None if it is to be found from the numbers
-    order : order of accuracy
-    noise_attitude, noise_omega : standard deviations, rad and rad/s; None if they are to be
-        estimated
+    order : order of accuracy of the method
+    noise_attitude, noise_omega : standard deviations of measured numbers, rad and rad/s; None if
+        they are to be estimated
     """
 
     timestep: float | None = None
@@ -64,12 +64,12 @@ class Made:
 
 
 def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -> JudgedMotion:
-    """Return a recorded motion, compared with the exact one.
+    """Return the judgement of a recorded motion: its errors, and what explains them.
 
     Parameters
     ----------
     arguments : the arrays, by the names of the arguments of `spincheck.judge`
-    made : how the motion was made
+    made : how the motion was computed or measured
 
     Raises
     ------

@@ -19,7 +19,7 @@ from spincheck.scenarios import Scenario
 
 
 def single_run(scenario: Scenario, engine: str, method: str, timestep: float) -> Row:
-    """Run one method with one timestep, s, in a worker process that later runs use, too.
+    """Return the row of one run of a scene, made in a worker process that is kept for later runs.
 
     Raises
     ------
@@ -49,7 +49,9 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
 def judged_gradients(
     scenario: Scenario, engine: str, method: str, timestep: float | None, window: float | None
 ) -> list[GradientRow]:
-    """Judge the derivatives of one method, in the worker process of `single_run`.
+    """Return a row with a verdict for each derivative of a method, and for central differences.
+
+    They are computed in the worker process of `single_run`.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ class StoredResults:
     def rows_frame(self) -> Any:
         """Return the runs as a pandas `DataFrame` with a column for each field.
 
-        The errors are in columns of their own, as in `errors.omega`.
+        The errors are in columns of their own, as in `errors.omega`; motions are left out.
 
         Raises
         ------
@@ -46,6 +46,8 @@ class StoredResults:
 
     def verdicts_frame(self) -> Any:
         """Return the verdicts as a pandas `DataFrame` with a column for each field.
+
+        Each property that `MADE` names has a column, too.
 
         Raises
         ------

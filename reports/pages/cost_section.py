@@ -61,7 +61,7 @@ def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
 
 
 def _whole_cell(cost: MethodCost) -> Cell:
-    """Return a cell with how much longer a step takes, and how far the motions are apart."""
+    """Return a cell on steps with nothing left out: the time they add, the difference of motion."""
     ratio = cost.cost.ratio if cost.cost else None
     more = f"{ratio.median - 1:+.0%} ± {ratio.spread:.0%}" if ratio else NOTHING
     same = "motion identical to the last bit"

@@ -1,7 +1,7 @@
 """Data for a page's script: figures, motions and folded tables, compressed in one element.
 
-An array is carried as whole multiples of a step, of which differences of some order are taken: for
-a smooth line these are small numbers, each of which takes deflate about a byte.
+An array is carried as whole multiples of a step, of which differences of some order are taken. For
+a smooth line these are small numbers, and deflate stores each in about a byte.
 """
 
 import base64

@@ -115,7 +115,12 @@ def _entry(numbers: Sequence[float]) -> str:
 
 
 def _permuted(numbers: Sequence[float]) -> str:
-    """Return three moments, and the moments along whose axes they are put, kg m², as text."""
+    """Return the words for permuted principal moments.
+
+    Parameters
+    ----------
+    numbers : three moments, kg m², and the three moments whose axes they are wrongly put along
+    """
     return f"{vector(numbers[:3])} kg m² along the axes of {vector(numbers[3:])}"
 
 
@@ -150,8 +155,8 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
 def _by_attitude(numbers: Sequence[float]) -> str:
     """Return the words for a torque that depends on the attitude: Σᵢ P eᵢ × Rᵀ eᵢ, N m.
 
-    R is from body to world axes. A torque that is that of a dipole in a field, or of a spring, is
-    named so.
+    R is from body to world axes. The words say so if the torque is that of a dipole in a field, or
+    of a spring.
 
     Parameters
     ----------
@@ -208,15 +213,15 @@ def _by_angle(numbers: Sequence[float]) -> str:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of change.
+    """A kind of change of the equations of motion or of how states are read.
 
     Attributes
     ----------
-    template : its words, with braces in place of its numbers
-    count : how many numbers it has
-    shown : returns its numbers as text
-    is_kinematic : whether it changes how the attitude follows ω, not how ω changes
-    special : other words for special values of its first number, by that value
+    template : words for a change of this kind, with braces in place of its numbers
+    count : how many numbers a change of this kind has
+    shown : returns these numbers as text
+    is_kinematic : whether the change is of how the attitude follows ω, not of how ω changes
+    special : words in place of the template for special values of the first number, by that value
     """
 
     template: str

@@ -50,7 +50,8 @@ class DefaultEffects:
 def default_effects(rows: Iterable[Row], varied: Iterable[Row]) -> list[DefaultEffects]:
     """Return the effects of defaults, for each method and scene where they were measured.
 
-    That is at each timestep at which there are runs with all of the defaults and with none.
+    They were measured at each timestep at which there are runs with all of the defaults and with
+    none.
 
     Parameters
     ----------
@@ -76,8 +77,8 @@ ALL = ("all",)
 def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row]) -> DefaultEffects:
     """Return the effects of the defaults, given runs by the names of the defaults they keep.
 
-    Runs with none, `()`, and with all, `ALL`, must be there. If no run has a default alone, that
-    with all stands for it; if none has all others, that with none.
+    There must be a run with none, `()`, and one with all, `ALL`. The run with all is used where no
+    run has a default alone, and the run with none where no run has all defaults but one.
     """
     names = dict.fromkeys(name for some in by_names if some != ALL for name in some)
     each = []

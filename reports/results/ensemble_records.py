@@ -48,7 +48,7 @@ _Timestep = Annotated[float, Field(gt=0, lt=math.inf)]
 
 @dataclass(frozen=True)
 class Ensemble:
-    """An ensemble: a scene with start and body scattered; its size does not change its members.
+    """An ensemble: a scene with start and body scattered; a member is the same in any size of it.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Ensemble:
         return map(self._member, range(self.members))
 
     def point(self, parts: Mapping[str, Any]) -> EnsemblePoint | None:
-        """Return the member whose run a stored run is; None if it is not one of this ensemble's.
+        """Return the member that a stored run is of; None if it is of no member of this ensemble.
 
         Parameters
         ----------

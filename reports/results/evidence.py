@@ -140,7 +140,7 @@ class StepEvidence:
         precision, where rounding hides it
     curves : one for each quantity that is not zero throughout
     fault : how the steps differ from those of a method that converges; None if they do not
-    settled : number of steps taken before, in which a constraint settled
+    settled : number of steps taken before those examined, in which a constraint settled
     changes_below : timestep below which gains are another function of the timestep, which vanishes
         as well, s; 0 if there is none
     beyond_from : the shortest timestep beyond the radius of convergence of the gains' series in

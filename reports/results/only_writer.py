@@ -17,11 +17,11 @@ _NAMES_ANOTHER = bytes.fromhex("d9d505f920a163d7")
 def check_journals(path: Path) -> None:
     """Raise if a file that SQLite keeps beside a result file may not belong to that file.
 
-    This comes before SQLite acts on those files. SQLite writes to '-wal' and '-shm', waits for one
-    that is a pipe, and undoes what '-journal' says was half written; if that ends in the name of a
-    super-journal, SQLite deletes the file of that name. It writes such a name where databases are
-    attached, which is never done here (https://www.sqlite.org/fileformat2.html, *The Rollback
-    Journal*).
+    It must be called before SQLite acts on those files. SQLite writes to '-wal' and '-shm', waits
+    if one of them is a pipe, and undoes what '-journal' says was half written. If '-journal' ends
+    in the name of a super-journal, SQLite deletes the file of that name; it writes such a name only
+    where databases are attached, which is never done here
+    (https://www.sqlite.org/fileformat2.html, *The Rollback Journal*).
 
     Raises
     ------

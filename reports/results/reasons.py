@@ -118,7 +118,7 @@ def _open(steps: StepEvidence) -> str:
 
 
 def fault_in_words(fault: StepFault) -> str:
-    """Return in words how steps differ from correct ones, and as if by which change they do."""
+    """Return in words which change explains how steps differ, if any does, and how they differ."""
     as_if = " and ".join(change.words for change in fault.changes)
     return f"behaves as if {as_if}: {_shown(fault)}" if as_if else _shown(fault)
 

@@ -202,7 +202,8 @@ def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
 def _check_log(path: Path) -> None:
     """Raise `ResultFileError` if the log beside a file belongs to another file.
 
-    That is one whose run was killed. SQLite would apply the log to whatever file now has the name.
+    The log is then that of a file whose run was killed, and SQLite would apply it to whatever file
+    now has the name.
     """
     if not (has_log(path) and path.exists()):
         return

@@ -217,7 +217,7 @@ class Store:
         return [row for row in rows if row.outcome == "failed"]
 
     def forget_costs_of_other_processors(self, processor: str) -> None:
-        """Delete times that were measured on another processor."""
+        """Delete the times of methods on scenes of which one was measured on another processor."""
         others = [one.key for one in self.select(tables.COSTS) if one.processor != processor]
         with self._database.transaction() as connection:
             for key in others:

@@ -235,7 +235,7 @@ def from_json(text: Any) -> dict[str, Any]:
 
 
 def _is_shown(text: str) -> bool:
-    """Whether a JSON text has no control characters, neither plain nor as escapes."""
+    """Whether a JSON text is printable and has no escapes, and so no control characters at all."""
     return text.isprintable() and "\\" not in text
 
 

@@ -224,7 +224,7 @@ _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
 
 
 def _is_massless(one: InspectedLink) -> bool:
-    """Whether a link moves and states no mass, or no tensor, without a fault besides."""
+    """Whether a link moves, has neither inertia nor shapes that give it one, and no other fault."""
     lacks = one.link.moves and not one.link.has_inertia and not one.link.by_shapes
     return lacks and all(problem.kind == "zero tensor" for problem in one.problems)
 

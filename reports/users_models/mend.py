@@ -47,7 +47,7 @@ class Wishes:
     ----------
     nearest : write the nearest possible tensor for one that no body can have
     made_up : make up an inertia for links that move and have none
-    compose : write welded links as one body, and the links welded to it as massless
+    compose : write the mass of welded links as that of one of them, and the others as massless
     """
 
     nearest: bool = False

@@ -110,7 +110,7 @@ class Scene(Protocol):
         """The effects to simulate, in the order of `EFFECTS`."""
 
     def table_of(self, model: type[T]) -> T | None:
-        """Return an effect's table in the scene file, parsed; None if the scene does not have it.
+        """Return an effect's parsed table in the scene's `[effects]`; None if it is not there.
 
         Parameters
         ----------
@@ -198,8 +198,9 @@ class Effect:
     key : the key that the table must have for this effect; empty if it need not have any
     constraint : returns how the effect holds the body, given its table and the body; None if it
         does not hold the body
-    pushed : returns the torque parameter, SI, that `push` includes, given the table, or None if the
-        scene has no such table; None if `push` does not include the effect
+    pushed : returns the parameter, SI, of the effect's torque in `push`, given the effect's table,
+        or None in its place if the scene has no such table; `pushed` itself is None if `push` does
+        not include the effect
     check : raises `Misfit` if the scene's start, or another effect, does not go with the table
     sizes, rates : yield the sizes and the rates that the effect brings, which must not be too large
         to be computed with, each with the keys to it in the file
@@ -242,7 +243,7 @@ class Effect:
     group: str = ""
 
     def force_along(self, scenario: Scene, motion: Trajectory) -> FloatArray:
-        """Return the constraint's upward force along a motion, N, (n,), if `force` is not None."""
+        """Return a constraint's upward force along a motion, N, (n,); `force` must not be None."""
         assert self.force is not None
         kept_body = scenario.kept_body(scenario.kept(motion.omega_body, motion.spins))
         R_world_body = motion.R_world_body.as_matrix()

@@ -195,7 +195,7 @@ class World:
         )
 
     def advance(self, steps):
-        """Take steps in one native call, up to the time that Drake's clock reaches by summing them.
+        """Take steps in one native call, up to the time to which Drake adds up the timesteps.
 
         A discrete plant steps at multiples of the timestep, the first at 0, so it is advanced to a
         time between two multiples. With any other end time Drake would take a tiny extra step, or

@@ -41,7 +41,7 @@ Rotor = namedtuple("Rotor", "node body joint drive place axis")
 
 
 def settings(solver):
-    """Return Exudyn's settings for the solver of that name; as shipped, it may halve steps."""
+    """Return Exudyn's settings for a solver, by name; only as shipped may it halve steps."""
     own = OF_TRAPEZOIDAL_RULE if solver == "TrapezoidalIndex2" else {}
     steady = {} if solver == AS_SHIPPED else {"adaptiveStep": False}
     simulation = exudyn.SimulationSettings()
@@ -59,7 +59,7 @@ class World:
 
     Explicit solvers eliminate constraints wrongly if the com is not at the node. So the node is at
     the pivot, the tensor is taken about the pivot, and gravity is a force on a marker at the com.
-    On a table the node is at the tip, for constraints of other points begin with wrong forces,
+    On a table the node is at the tip, because constraints of other points begin with wrong forces,
     about which the trapezoidal rule oscillates.
 
     Parameters

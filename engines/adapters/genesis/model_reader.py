@@ -68,7 +68,7 @@ class GenesisModelReader(ModelReader):
 def _bodies(solver: Any) -> dict[str, BodyReading]:
     """Return the bodies of a built scene, by the links' names.
 
-    A mass that Genesis has put in place of none is returned as 0.
+    Genesis gives a link without mass a placeholder, which is returned as 0.
     """
     links = solver.dyn_info.links
     arrays = (getattr(links, f"inertial_{name}") for name in ("mass", "pos", "quat", "i"))

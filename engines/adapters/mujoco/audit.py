@@ -141,7 +141,7 @@ def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
 def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> Iterator[str]:
     """Yield a description of each effect that acts with another strength than in the scene.
 
-    Effects that only act, or that the scene only calls for, are left out.
+    Effects that act though the scene does not call for them, or the reverse, are left out.
 
     Parameters
     ----------

@@ -178,8 +178,9 @@ class MuJoCo(Engine):
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """Return the names of the passes that a method switches off, and the clock's name.
 
-        There are none for a method as shipped. `OF_CONTACTS` are left out for a contact, as
-        switching them off changes the motion; the clock is there if MuJoCo's package installs one.
+        There are none for a method as shipped. For a method with a contact the passes `OF_CONTACTS`
+        are not named, as switching them off changes the motion; the clock is named if MuJoCo's
+        package installs one.
         """
         if method.as_shipped:
             return ()

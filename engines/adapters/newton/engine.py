@@ -168,7 +168,7 @@ class NewtonSession(WorldSession):
 def _clean(
     name: str, order: int, summary: str, solver: str, effects: frozenset[str] = EFFECTS
 ) -> Method:
-    """Return a method that is not as shipped; `solver` is the call by which users make it."""
+    """Return a method that is not as shipped; `solver` is the call that makes its solver."""
     return Method(name, order, order, summary, effects, setup=SETUP.format(solver))
 
 

@@ -1,4 +1,4 @@
-"""A Newton world of one body, which needs `newton`, for its MuJoCo `mujoco-warp`, and numpy."""
+"""A Newton world of one body; it needs `newton`, numpy, and `mujoco-warp` for one solver."""
 
 from itertools import groupby
 
@@ -193,9 +193,10 @@ class World:
         self.now.assign(self.then)
 
     def advance(self, steps):
-        """Take steps, from the second with a timestep on by launches recorded once.
+        """Take steps; all but the first with a timestep are launches that were recorded once.
 
-        They take a hundredth of the time of Python's calls; recording takes as long as two steps.
+        Recorded launches take a hundredth of the time of Python's calls; recording them takes as
+        long as two steps.
         """
         if steps and self.timestep not in self.graphs:
             self.step(self.timestep)  # loads what a recording may not load

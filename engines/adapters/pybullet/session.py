@@ -112,7 +112,7 @@ class PyBulletSession(Session):
     def check(self) -> None:
         """Raise `EngineError` if the clock is not as it was set, or a velocity is clamped.
 
-        It is also raised if the state is not finite.
+        It is also raised if ω is NaN.
         """
         engine, world = p.getPhysicsEngineParameters(self.client), self.world
         wanted = (world.timestep * world.substeps, world.substeps)
@@ -128,7 +128,7 @@ class PyBulletSession(Session):
     def snapshot(self) -> bytes:
         """Return com, attitude, velocity, ω and spins as PyBullet returns them, packed as bytes.
 
-        It raises `EngineError` if the state is not finite: the solvers might not return from it.
+        It raises `EngineError` if ω is NaN: the solvers might not return from such a state.
         """
         com_world, q_xyzw, velocity_world, omega_world = self.world.motion()
         if isnan(omega_world[0]):

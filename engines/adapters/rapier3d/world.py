@@ -27,7 +27,7 @@ def count(mask):
 
 
 def is_soft(joint):
-    """Return whether a joint is a spring that short steps feel."""
+    """Return whether a joint is a spring softer than `RIGID`, which short steps feel."""
     return joint.data.softness.natural_frequency < RIGID / 2
 
 

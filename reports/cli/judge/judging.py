@@ -64,8 +64,9 @@ class Judgement:
     def exit_code(self) -> int:
         """The program's exit code: 1 if a motion is wrong or exceeds a bound of the user's, else 0.
 
-        A motion is wrong if a mistake explains it. A single one is wrong, too, if it is further off
-        than the error of a method of its order; several are if the verdict on them is wrong.
+        A motion is wrong if a mistake explains it. A single motion is wrong, too, if its error is
+        larger than that of a method of its order; several motions are wrong, too, if the verdict on
+        them is.
         """
         motions = self.motions.values()
         # For several files the verdict judges the error of a method.

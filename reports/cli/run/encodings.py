@@ -37,7 +37,8 @@ def encoded(
 ) -> Iterator[Engine]:
     """Yield each engine in each encoding that applies to a scene; print which do not, and why.
 
-    The reason is that of the first scene. Engines of users' files are not printed.
+    The reason printed is why the encoding does not apply to the first scene. Engines that load
+    users' files are not printed.
 
     Parameters
     ----------

@@ -84,7 +84,7 @@ def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
     """Yield a heading and a line for each verdict, and lines with its reason below it.
 
-    The reason is that of a verdict that needs one, with all unmet expectations.
+    The lines below have all unmet expectations, and the reason if the verdict needs one.
     """
     yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'known to':>8}"
     for verdict in verdicts:

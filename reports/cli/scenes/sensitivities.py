@@ -45,7 +45,7 @@ def _listed(record: Any) -> dict[str, Any]:
 
 
 def print_derivatives(record: dict[str, Any]) -> None:
-    """Print a table for each time: a row is the derivatives, of the headings, by one parameter.
+    """Print a table for each time; a row has the headings' derivatives by one parameter.
 
     Parameters
     ----------

@@ -48,7 +48,9 @@ class Defects:
     rounding: Errors
 
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
-        """Return median, 95th percentile, largest (with its time) and floor of defects, by signal.
+        """Return, by signal, median, 95th percentile, maximum (with its time) and floor of defects.
+
+        The floor is the size of defects that rounding may cause.
 
         Parameters
         ----------

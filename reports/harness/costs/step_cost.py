@@ -245,7 +245,7 @@ class _Timed:
 
 
 def _in_few_calls(steps: int) -> int:
-    """Return the least number from `steps` on with `DIGITS_OF_STEPS` significant binary digits."""
+    """Return `steps`, rounded up to a number of `DIGITS_OF_STEPS` significant binary digits."""
     unit = 1 << max(0, steps.bit_length() - DIGITS_OF_STEPS)
     return math.ceil(steps / unit) * unit
 

@@ -110,7 +110,7 @@ class Executor(ABC):
 
         A task is a function that runs in this process and makes calls by this executor; `width`
         tasks run at once. Tasks are taken from the iterable as threads become free. An exception in
-        one task stops all others, and is raised.
+        one task stops all others, and is raised. If `width` is 1, the calling thread runs them all.
         """
         if self.width == 1:
             yield from (task() for task in tasks)

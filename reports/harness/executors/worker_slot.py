@@ -149,8 +149,8 @@ def is_environmental(cause: str) -> bool:
 def cause_of_unsolved(failure: CallFailed) -> Cause:
     """Return the cause of a run that was not made because the exact motion could not be found.
 
-    It is that of the failure if the machine is to blame, `killed` if the solver crashed, as no
-    engine is involved and it may be tried again, and else `unsolved`.
+    It is the failure's own cause if the machine is to blame. It is `killed` if the solver crashed:
+    no engine is involved, and the run may be tried again. Else it is `unsolved`.
     """
     if failure.cause in ENVIRONMENTAL:
         return failure.cause

@@ -212,7 +212,7 @@ def _with_trace(
 
 
 def is_scaled(e: OtherEquations) -> bool:
-    """Whether a torque acts by which a motion shows the scale of the tensor of inertia."""
+    """Whether torques, drag, rotors or a table let a motion show the scale of the tensor."""
     pulled = e.pull.any() and e.gravity_world.any()
     pushed = e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any()
     return bool(pulled or pushed or e.mobility)

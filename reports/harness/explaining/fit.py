@@ -122,7 +122,7 @@ class Fit:
         """Whether a motion may have been computed with these changes and parameters.
 
         The tensor of inertia must be positive definite, though a mistake may lead to one that no
-        rigid body has. What else is possible each change states (`Change.is_possible`).
+        rigid body has. Each change states what else is required (`Change.is_possible`).
         """
         if not np.linalg.eigvalsh(self.hypothesis.equations.inertia)[0] > 0:
             return False

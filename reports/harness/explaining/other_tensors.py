@@ -105,7 +105,7 @@ def without_rotation(tensor: FloatArray) -> Iterator[FloatArray]:
 
 
 def about_conjugated_axes(tensor: FloatArray) -> Iterator[FloatArray]:
-    """The tensors, (3, 3), if the rotation to principal axes, in any order, is inverted."""
+    """The tensors, (3, 3), that the inverse rotation to principal axes, in any order, leads to."""
     moments, axes = np.linalg.eigh(tensor)
     for order in map(list, permutations(range(3))):
         for signs in HALF_TURNS:

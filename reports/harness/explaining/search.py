@@ -40,8 +40,8 @@ class Search:
     Attributes
     ----------
     changes : the changes that are tried
-    most : the most parameters of a fit whose residuals exceed noise and a method's error, as many
-        parameters explain a little of anything; no limit if None
+    most : the most parameters of a fit whose residuals exceed noise and a method's error, because a
+        fit with many parameters explains a part of anything; no limit if None
     part : the fraction to which a change must reduce the residuals to explain them
     """
 
@@ -77,7 +77,7 @@ class Search:
 
         Returns
         -------
-        None if none does, or if none is called for
+        None if no change or pair does, or if the data need no change
         """
         if not self.is_called_for:
             return None
@@ -92,7 +92,7 @@ class Search:
 
     @cached_property
     def single(self) -> list[Fit]:
-        """The fits of single changes that may explain the data; none if none is called for."""
+        """The fits of single changes that may explain the data; none if they need no change."""
         if not self.is_called_for:
             return []
         enough = PROMISING**2 * self.unchanged.mean_square
@@ -136,9 +136,9 @@ class Search:
         return None if best is self.unchanged else best
 
     def _is_closer(self, fit: Fit, best: Fit) -> bool:
-        """Whether a fit of the same rank has far smaller residuals than the best fit so far.
+        """Whether a fit has the same rank as `best`, and far smaller residuals.
 
-        It is false if the residuals of the best fit are as small as rounding.
+        It is false if the residuals of `best` are as small as rounding.
         """
         is_more = best.mean_square > SAME**2 * self.unchanged.mean_square
         is_far_less = fit.mean_square < LEFT**2 * best.mean_square

@@ -156,7 +156,7 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
     """Yield the exact Jacobians with attitude, ω or both in world axes.
 
-    The exact δω_world is R (δω − ω × δθ). If an engine only turns the derivative, it is R δω.
+    The exact δω_world is R (δω − ω × δθ). It is R δω for an engine that only turns the derivative.
     """
     states, P = exact.states, exact.jacobians
     ends = _ends(exact)
@@ -288,7 +288,7 @@ class _Rates:
         return self._whole(slope.T - self.exact)
 
     def _whole(self, rate: FloatArray) -> FloatArray:
-        """Return the derivative of dx/dt, (6, 6), whose rows of dω/dt are given and others zero.
+        """Return a derivative of dx/dt, (6, 6), from its rows of dω/dt, and zeros for the others.
 
         Parameters
         ----------
@@ -320,8 +320,8 @@ class _Rates:
         ----------
         R, omega : attitude, (3, 3), and ω, rad/s, body axes
         torque : the other torques, body axes, N m, (3,)
-        weighed : attitude and ω of the state whose weight loads the table; another state if the
-            term of gravity is kept constant
+        weighed : attitude and ω with which the weight loads the table; those of the unchanged state
+            if the term of gravity is kept constant
         """
         scenario, none = self.equations.scenario, np.zeros(3)
         answer = scenario.answer

@@ -293,7 +293,7 @@ class MethodStudy:
     def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
         """Return a row with `window` and `useless_from`, from gradients along a run.
 
-        If there can be none, the verdict's reason says why, unless it has a reason already.
+        If no window can be computed, the verdict's reason says why, unless it has one already.
 
         Parameters
         ----------

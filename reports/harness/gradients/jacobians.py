@@ -121,7 +121,7 @@ def own_jacobian(
 
 
 def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
-    """Return the n states that differ from one in attitude and ω by offsets.
+    """Return the n states that differ from a given state by offsets of attitude and ω.
 
     Com and velocity follow from the constraint; those of a free body do not change.
 

@@ -106,7 +106,7 @@ def _study(
     timestep: float | None,
     window: float | None,
 ) -> Iterator["MethodStudy"]:
-    """Open an engine at exact states of a scene, where its derivatives are judged.
+    """Open an engine, and yield the study of a method's derivatives at exact states of a scene.
 
     Parameters
     ----------

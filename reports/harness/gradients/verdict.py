@@ -105,7 +105,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
 
     Parameters
     ----------
-    one : the verdict so far
+    one : the verdict by comparison with the exact Jacobians
     found : the Jacobians that the engine computes, (J, K, 6, 6)
     own : the Jacobians that finite differences of the engine's steps give
     noise : standard deviation of the gains, as `noise_of` returns it, 1/s, (J, 6)

@@ -202,7 +202,7 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
 
     Parameters
     ----------
-    each : the Jacobian of every step, (6, 6) each, in the same `Units` as the result
+    each : the Jacobian of every step, (6, 6) each, in the same `Units` as `taped`
     taped : the Jacobian of all steps at once, in units, (6, 6)
     ulp : relative spacing of the engine's numbers
     """

@@ -351,9 +351,9 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
 def gives_in(look: Look, settled: Look) -> bool:
     """Whether hinges give way, so that they must settle before steps are judged.
 
-    How far a hinge gives way cannot be read from an engine. If it does, the limits of the quantity
-    with the smallest tail shrink to less than half once the hinge has settled; limits that a fault
-    makes remain.
+    How far a hinge gives way cannot be read from an engine. If hinges give way, the limits of the
+    quantity with the smallest tail shrink to less than half once the hinges have settled; limits
+    that a fault makes remain.
 
     Parameters
     ----------

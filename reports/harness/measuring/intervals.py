@@ -118,8 +118,8 @@ class Intervals:
 
         Returns
         -------
-        The numbers of steps before each snapshot since the one before it, 0 after a restart, and
-        the snapshots
+        For each snapshot, the number of steps since the snapshot before it, 0 at the start and
+        after the restart; and the snapshots
         """
         start, strides, kept = self.starts.rows(k), list[int](), list[Any]()
         for count in self.parts_of([k])[0].tolist():
@@ -180,7 +180,7 @@ class Passage:
         return chosen if is_few else replace(chosen, timesteps=at.timesteps[-LEAST:])
 
     def _abrupt(self, scenario: Scenario, most: int) -> NDArray[np.intp]:
-        """Indices of the stretches whose gain differs most from the mean of its two neighbours.
+        """Indices of the stretches whose gain differs most from the mean gain of both neighbours.
 
         At most `most` of them are chosen for each quantity; none if the motion turns too far to be
         followed.

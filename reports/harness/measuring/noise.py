@@ -166,7 +166,7 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """The largest change of each gain per relative error of the state read, (J, K, Q)."""
+    """The largest change of each gain, (J, K, Q), per unit of relative error of the state read."""
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
     linear_speed = norms(states.velocity_world) + equations.reach * speeds

@@ -144,7 +144,7 @@ def changed_at_random(
 
 
 def _changed_by(vectors: FloatArray, change: FloatArray) -> FloatArray:
-    """The given vectors, (n, 3), with the norm of each times a relative change, (3,), added."""
+    """The vectors v + ‖v‖ c for given vectors v, (n, 3), and one relative change c, (3,)."""
     return np.asarray(vectors + norms(vectors)[:, None] * change)
 
 
@@ -164,8 +164,8 @@ def _condition_of_flight(scenario: Scenario) -> float:
 def _condition_of_rotors(scenario: Scenario, motion: Trajectory) -> float:
     """The contribution of rotors to `Places.condition`.
 
-    It is the ratio of the torques that cancel in coordinates that turn with the rotors to the
-    gyroscopic torque.
+    It is the size of the torques that cancel in coordinates that turn with the rotors, divided by
+    that of the gyroscopic torque.
     """
     _, torque = scenario.cancelling(motion.spins)
     L_world, speed = angular_momentum_world(scenario, motion), norms(motion.omega_body).max()

@@ -260,7 +260,7 @@ class Regression:
 
     @cached_property
     def innovations(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The prediction of each gain from the gains at longer timesteps, and its tail.
+        """The prediction of each gain from the gains at longer timesteps, and the gain's tail.
 
         The first `PREDICTED_FROM` gains are not predicted: their tail is 1.
 
@@ -319,7 +319,7 @@ def _inverse_radii(measured: Measured) -> FloatArray:
 
 
 def _tail(squares: FloatArray) -> FloatArray:
-    """The probability that χ² of three degrees of freedom is at least as large.
+    """The probability that χ² of three degrees of freedom is at least as large as each number.
 
     This closed form (Abramowitz & Stegun, §26.4.4) takes a quarter of the time of scipy's `chdtrc`.
     """

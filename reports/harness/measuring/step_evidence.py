@@ -59,7 +59,8 @@ def kind_of(look: Look) -> FaultKind:
 def _order_shown(look: Look, declared: int) -> int:
     """The lower of the fitted orders of the gains in attitude and in I ω.
 
-    Gains that are not well above noise are ignored. It is the declared order if both are.
+    A quantity whose gains are not well above noise is ignored, and if both are, the declared order
+    is returned.
     """
     shown = [
         series.order

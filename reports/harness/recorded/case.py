@@ -34,15 +34,15 @@ class Case:
 
     Attributes
     ----------
-    reading : one way to read the recording
+    reading : the samples of the recording, read in one way
     exact, recorded : the exact motion, and the recorded one in that reading, at the reading's times
     timestep : timestep with which the motion was computed, s; None if unknown
     order : order of accuracy of the method that computed it
-    noise : standard deviations of attitude, rad, and ω, rad/s, that have been found so far, by
-        coarse rounding or as noise, (2,); zeros if none
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,), of the noise or coarse
+        rounding that earlier findings showed; zeros if they showed none
     undone : how many mistakes have been undone in the reading
-    is_smooth : whether jumps of the motion have been left out
-    is_trial : whether the reading is only tried: the search stops as soon as something stays open
+    is_smooth : whether samples have been left out because of a jump: no more jumps are looked for
+    is_trial : whether the case is only tried: its explanation ends early if something stays open
     """
 
     scenario: Scenario
@@ -73,7 +73,7 @@ class Case:
         return self.recorded.derived.reach if self.recorded.derived else 0
 
     def of(self, samples: NDArray[np.intp]) -> "Case | None":
-        """Return the case of some of the samples, by their indices.
+        """Return the case with only some of the samples, given by their indices, (k,).
 
         Returns
         -------
@@ -108,7 +108,7 @@ class Case:
         return None
 
     def _of_samples(self, reading: Reading, kept: NDArray[np.intp]) -> "Case":
-        """Return the case of the samples with indices `kept`, of which a reading is given."""
+        """Return the case of the samples with indices `kept`; `reading` has only these samples."""
         arrays = {name: array[kept] for name, array in self.recording.arrays.items()}
         return self._beside(replace(self.recording, arrays=arrays), reading, self.exact.at(kept))
 
@@ -119,7 +119,10 @@ class Case:
 
     @property
     def stated(self) -> FloatArray | None:
-        """The stated standard deviations of attitude, rad, and ω, rad/s, (2,); None if none is."""
+        """The stated standard deviations of attitude, rad, and ω, rad/s, (2,); None without any.
+
+        Each is at least that of `floor`.
+        """
         stated = [float(self.recording.settings.get(name, 0.0)) for name in NOISE]
         return np.maximum(stated, self.floor) if any(stated) else None
 
@@ -169,7 +172,9 @@ class Case:
         return numbers_of(self.recording, self.reading, self.exact)
 
     def jumps(self, base: Hypothesis | None = None) -> list[Jump]:
-        """Return where the motion jumps, if it obeys the equations between nearly all samples.
+        """Return the jumps of a motion that obeys the equations between nearly all samples.
+
+        The list is empty if the motion does not, or has no jump.
 
         Parameters
         ----------
@@ -184,12 +189,12 @@ class Case:
         return jumps(intervals, self.reach) if intervals else []
 
     def as_it_begins(self) -> "Case | None":
-        """Return the case of a scene that starts as the recording does.
+        """Return the case in which the scene starts with the first recorded state.
 
         Returns
         -------
-        None if ω was not recorded, if the first sample is later than the scene's start, or if the
-        exact motion from there is not known or no valid scene
+        None if ω was not recorded, if the first sample is later than the scene's start, if its
+        state is no valid start, or if the exact motion from that state is not known
         """
         if not self.has_omega or self.exact.t[0]:
             return None

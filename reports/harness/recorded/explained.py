@@ -131,7 +131,7 @@ def _by_equations(case: Case) -> Explanation:
 def _may_be_mistaken(case: Case) -> bool:
     """Whether mistakes in recording are tried together with other explanations.
 
-    They are if none has been undone before.
+    They are if ω was recorded, no mistake has been undone before, and the case is no trial.
     """
     return case.has_omega and not (case.undone or case.is_trial)
 
@@ -188,7 +188,7 @@ def _since_exactly(case: Case) -> Explanation | None:
 def _beside_a_mistake(case: Case) -> Explanation | None:
     """Return a mistake in recording, and what explains the motion without it.
 
-    Only mistakes are tried after whose correction the attitude follows ω.
+    A mistake is tried only if the attitude follows ω once the mistake is corrected.
 
     Returns
     -------
@@ -206,7 +206,7 @@ def _beside_a_mistake(case: Case) -> Explanation | None:
 
 
 def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
-    """Return the noise of a motion, and what alternates from sample to sample if that is no noise.
+    """Return the noise of a motion, and any alternation from sample to sample beside this noise.
 
     The noise is the stated one, or that found in the recording's numbers, or what alternates.
 

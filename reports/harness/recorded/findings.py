@@ -48,7 +48,8 @@ def finding(case: Case) -> Finding | None:
 def _of_numbers(case: Case) -> Finding | None:
     """Return what the numbers of a recording show by themselves; None if nothing.
 
-    The samples that are not wrong remain to be explained, or else those before the first wrong one.
+    All samples remain to be explained if the mistake can be mended. Else those that are not wrong
+    remain, or those before the first wrong one if the former stay unexplained.
     """
     shown = shown_by_digits(case.numbers)
     if case.noise.any():

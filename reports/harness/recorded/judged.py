@@ -43,21 +43,22 @@ class JudgedMotion:
     ----------
     recorded : the motion as it was read
     solution : the exact motion at the recorded times
-    timestep : s, if the file or the user states it
+    timestep : s; None if neither the file nor the user states it
     verdict : a sentence on whether the motion is within the error of noise, or of a method with the
         given order and timestep
     is_beyond : whether the motion exceeds that error
     errors : the largest error of each signal, by name; None for a signal that was not recorded
     series : errors sample by sample
     drifts : the largest change of each conserved quantity, relative
-    defects : defects of the intervals between samples, by signal; empty if these cannot be followed
+    defects : defects of the intervals between samples, by signal; empty if the exact flow cannot
+        follow the motion
     explained_by : mistakes in recording, or other physics, that explain the difference, in words
     made_by : the known integrator that computed the motion, in words; empty if none is recognised
     measured : if the motion has noise, the fit of the exact motion to all samples
     remarks : sentences on how the file was read
     ignored : headings of the file that have no meaning here
     is_single : whether the motion was computed in single precision
-    resolution : the relative distance of the file's numbers as they are printed
+    resolution : the relative resolution with which the file's numbers are printed
     """
 
     recorded: RecordedMotion
@@ -142,9 +143,9 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     Raises
     ------
     RecordingError
-        If the timestep is longer than the samples are apart, the times go on after the exact motion
-        is known, ω is missing and cannot be computed from the attitudes, or spins are not of as
-        many rotors as the scene has.
+        If the timestep is not positive or is longer than the samples are apart, the exact motion is
+        not known up to the last time, ω is missing and cannot be computed from the attitudes, or
+        the number of spins is not that of the scene's rotors.
     """
     stated = recording.settings.get("timestep")
     timestep = None if stated is None else float(stated)
@@ -187,7 +188,7 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
     """Return the largest relative drift of a recorded motion from each law, by the law's name.
 
-    Without recorded spins, that of the rotors' momenta is left out.
+    The drift of the rotors' momenta is left out if spins were not recorded.
     """
     found = drifts(scenario, recorded.trajectory)
     if not recorded.has_spins:
@@ -196,12 +197,12 @@ def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
 
 
 def _check_timestep(timestep: float | None, times: FloatArray) -> None:
-    """Check that the stated timestep, s, is positive, and not longer than the distance of samples.
+    """Check a stated timestep, s, against the times of samples, s, (n,); None passes.
 
     Raises
     ------
     RecordingError
-        If it is not positive, or longer.
+        If it is not positive, or longer than the longest time between two samples.
     """
     if timestep is not None and not timestep > 0:
         raise RecordingError(f"'timestep' must be a positive number of seconds, got {timestep:g}")

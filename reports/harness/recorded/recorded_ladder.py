@@ -178,7 +178,10 @@ def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
 
 
 def _answer_runs(study: ConvergenceStudy, recorded: dict[float, Trajectory]) -> None:
-    """Answer each run that the study asks for with the motion of its file."""
+    """Answer each run that the study asks for with the recorded motion of the same timestep.
+
+    `recorded` has the motions of the files by their timesteps, s.
+    """
     runs = study.runs()
     planned = next(runs, None)
     while planned is not None:

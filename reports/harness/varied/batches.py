@@ -181,7 +181,10 @@ class _Motion:
 
 @dataclass(frozen=True, eq=False)
 class _Study:
-    """The comparison of a batch's worlds; `session` has the scene alone, `begun` is its row."""
+    """The comparison of a batch's worlds.
+
+    `session` has one world of the scene, outside any batch; `begun` is the row to be completed.
+    """
 
     scenario: Scenario
     engine: Engine
@@ -190,7 +193,10 @@ class _Study:
     session: Session
 
     def row(self) -> BatchRow:
-        """Return the row, from batches without, with all kinds, and with each kind of neighbour."""
+        """Return the completed row, from batches without odd neighbours and with all kinds of them.
+
+        If all kinds together change a motion, batches are also run with each kind alone.
+        """
         begun, odd = self.begun, neighbours_of(self.scenario)
         alike = self._batch(())
         alone = self._alone(alike.ends)

@@ -28,11 +28,12 @@ class Candidate:
     word, reason : how timestep and cost are known, or why a bound is out of reach, in one word and
         in a sentence
     decided_by : the signal whose bound needs the smallest timestep, or cannot be reached
-    largest_stable : the coarsest timestep from which on all finer runs ended well, s
+    largest_stable : the longest timestep of a ladder at which, and at all shorter ones, runs ended
+        well, s; None if the finest run did not
     finest_useful : timestep below which the error in the signal `decided_by` grows by rounding, s;
         None if no run shows that
     bias : bias of the rounding, ulp of single precision a step; None if no bias is shown
-    timestep : s; None if a bound is out of reach
+    timestep : s; None if a bound is out of reach or no step was timed
     cost : CPU seconds for a simulated second at that timestep
     spread : relative spread of the timings of a step
     """
@@ -83,7 +84,7 @@ def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candidate:
-    """Return a method with its longest timestep within every bound, or a bound out of reach.
+    """Return a method with the longest timestep that keeps within every bound, and its cost.
 
     Timestep and cost are None if a bound is out of reach, or no step was timed.
     """
@@ -115,7 +116,8 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candi
 def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
     """Return the timestep, s, below which a method's errors of attitude or ω grow by rounding.
 
-    It is the longer of the two, and None if no run shows that or the scene could not be solved.
+    It is the longer of the timesteps for attitude and for ω; None if no run shows growing errors,
+    or the scene could not be solved.
     """
     if scene.solved is None:
         return None
@@ -189,9 +191,9 @@ def best_choices(scene: SceneRuns) -> list[BestChoice]:
 
 
 def to_type(timestep: float, finest: float | None) -> float:
-    """Return a timestep, s, rounded down to two digits, or `finest` if that would be passed.
+    """Return a timestep, s, rounded down to two digits, but not from above `finest` to below it.
 
-    A timestep that is below `finest` already is rounded all the same.
+    Such a timestep becomes `finest`. A timestep that is below `finest` already is rounded.
 
     Parameters
     ----------
@@ -270,7 +272,7 @@ def _rank(one: BestChoice) -> tuple[bool, float, float]:
 
 
 def _within(scene: SceneRuns, row: Row) -> bool:
-    """Whether a run's errors, at least the reference's uncertainty, are within `BOUNDS`."""
+    """Whether a run's errors are within `BOUNDS`; each counts as at least its uncertainty."""
     assert row.errors is not None, "only a run with errors is chosen"
     limits = scene.uncertainty(row)
     return all(max(row.errors[name], limits[name]) <= bound for name, bound in BOUNDS.items())

@@ -81,7 +81,7 @@ _OfKey = tuple[SceneRuns, MethodRuns]
 
 
 def _by_key(results: Results) -> dict[Key, _OfKey]:
-    """Return the runs of each method on each scene, with the scene, by their key."""
+    """Return, by key, each scene together with the runs of one method on it."""
     scenes = report_data(results).scenes
     return {Key(one.name, *runs.pair): (one, runs) for one in scenes for runs in one.methods}
 
@@ -120,7 +120,10 @@ def _methods(old: Results, new: Results) -> Iterator[Change]:
 
 
 def _presence(before: bool) -> tuple[str | None, str | None]:
-    """Return old and new value of what is in one file only: the old one if `before` is set."""
+    """Return old and new value of what is in one file only: "there", and None for the other file.
+
+    `before` tells whether it is in the old file.
+    """
     return ("there", None) if before else (None, "there")
 
 
@@ -132,7 +135,7 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
 
 
 def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Yield a change if the order at which gains vanish differs between verdicts `converges`."""
+    """Yield a change if both verdicts are `converges` and gains vanish at different orders."""
     before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
     if before is None or after is None or before == after:
         return
@@ -204,7 +207,7 @@ def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
 def _has_changed(old: float, new: float, noise: float) -> bool:
     """Return whether an error has changed, by more than noise and by `ERROR_FACTOR`.
 
-    Large errors at too coarse timesteps never count as changed.
+    Errors that are both beyond the asymptotic range never count as changed.
 
     Parameters
     ----------
@@ -217,7 +220,7 @@ def _has_changed(old: float, new: float, noise: float) -> bool:
 def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Change]:
     """Yield a change if a step's cost differs by more than `COST_FACTOR` and the timings' spreads.
 
-    Nothing is yielded if it was not timed in both files.
+    Nothing is yielded unless steps were timed in both files.
 
     Parameters
     ----------

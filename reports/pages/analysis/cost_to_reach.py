@@ -72,7 +72,8 @@ class Reach:
     word : how the cost is known, or why the error is out of reach
     reason : the word's meaning in a sentence
     timestep, cost : s, and CPU seconds for a simulated second; None if out of reach
-    floor : the error that rounding may cause at that timestep; None if a run is within the error
+    floor : the error that rounding may cause; None unless the timestep is extrapolated or rounding
+        keeps the error out of reach
     """
 
     level: float
@@ -87,9 +88,9 @@ def reach(curve: Curve, level: float) -> Reach:
     """Return the timestep and cost with which a method stays within an error, or why it cannot.
 
     If the coarsest stable run is within the error already, its own timestep is returned. Else the
-    timestep is interpolated between two runs, or extrapolated below the finest. An interpolated one
-    is on the safe side: the error is assumed to be the finer run's times (dt ratio)^p, where p is
-    the steeper of the slopes on either side of that run.
+    timestep is interpolated between two runs, or extrapolated below the finest. An interpolated
+    timestep is on the safe side: the error there is assumed to be that of the finer run, multiplied
+    by (dt ratio)^p, where p is the steeper of the slopes on either side of the finer run.
 
     Parameters
     ----------
@@ -116,8 +117,8 @@ def reach(curve: Curve, level: float) -> Reach:
 def _first_within(curve: Curve, level: float) -> int | None:
     """Return the index of the coarsest stable run within an error that no finer run exceeds.
 
-    A finer run may exceed it if rounding explains that, since only coarser runs can be better. None
-    is returned if there is no such run.
+    A finer run may exceed the error if rounding explains that, as rounding adds less to coarser
+    runs. None is returned if there is no such run.
     """
     errors = [point.error for point in curve.stable]
     finest = curve.least.timestep if curve.least else 0.0

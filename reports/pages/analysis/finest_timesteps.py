@@ -20,7 +20,7 @@ class Finest:
     Attributes
     ----------
     label : engine and method
-    timesteps : for each scene that shows one, the timestep below which errors grow by rounding, s
+    timesteps : timesteps below which errors grow by rounding, s, one for each scene that shows this
     bias : the largest bias of rounding on any scene, ulp of single precision a step; None if no
         scene shows one
     """

@@ -16,7 +16,8 @@ class Tables:
 
     Parameters
     ----------
-    lines : the rows of each table, by its name with its columns, as in ``run (scene, engine)``
+    lines : the rows of each table, by the name of the table followed by those of its columns, as in
+        ``run (scene, engine)``
     views : SQL statements that define views
     """
 

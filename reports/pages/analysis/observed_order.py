@@ -23,10 +23,10 @@ def observed_order(
 
     It is a least-squares slope with its sign, over the best window of `FITTED_RUNGS` neighbouring
     rungs of a ladder. Errors are usable if they are in the asymptotic range and above round-off and
-    the reference's uncertainty; of fewer than two there is no slope. The finest window is used
-    whose errors lie on a line to within `ORDER_SLACK`; windows with falling errors are preferred to
-    level ones. If no window is that straight, the straightest is used, since rounding bends the
-    finest.
+    the reference's uncertainty; of fewer than two there is no slope. Of the windows whose errors
+    lie on a line to within `ORDER_SLACK` the finest is used; windows with falling errors are
+    preferred to level ones. If no window is that straight, the straightest is used, since rounding
+    bends the finest.
 
     Parameters
     ----------

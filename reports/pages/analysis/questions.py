@@ -152,8 +152,8 @@ class Usual(OfMethod):
     shipped : whether it is the engine with all its defaults
     scenes, unfinished, blew_up, failed : number of runs, and of those that did not end well,
         diverged and failed
-    middle, largest : the median attitude error, degrees, and the largest; infinite if a run did not
-        end well
+    middle, largest : the median attitude error, degrees, and the largest, where the error of a run
+        that did not end well counts as infinite
     worst, worst_finished : the scene of the largest error, and that of the largest finite one
     largest_finished : the largest finite error, degrees; None if no run ended well
     turns : the median number of turns until the attitude is off by 1°
@@ -200,7 +200,8 @@ def at_stock(gathered: ReportData) -> list[Usual]:
 def leading(gathered: ReportData) -> list[Pair]:
     """Return the methods to show first: of each engine one as shipped and one other.
 
-    They are the first method as shipped, and the most accurate of its other methods.
+    They are the first method as shipped, and of its other methods the most accurate of those that
+    simulate the most scenes.
     """
     first = {engine: (engine, method) for engine, method in reversed(as_shipped(gathered))}
     others = [one for one in at_stock(gathered) if not one.shipped]

@@ -75,7 +75,7 @@ class MethodRuns(OfMethod):
     def finest(self) -> Row | None:
         """The finest run that ended well, of those whose samples are kept.
 
-        If none ended well, it is the finest of those; None if there are none.
+        If none of these ended well, it is the finest of them; None if no samples are kept.
         """
         finished = [row for row in self.sampled if row.outcome == "ok"]
         return next(iter([*(finished or self.sampled)][-1:]), None)
@@ -188,11 +188,11 @@ class SceneRuns:
 
     @cached_property
     def _solved_at(self) -> dict[bytes, Trajectory]:
-        """The exact motions computed so far, by the sample times of a run, as bytes."""
+        """A cache of exact motions that were computed, by the sample times of a run, as bytes."""
         return {}
 
     def uncertainty(self, row: Row) -> Errors:
-        """Return the uncertainty of a run's reference; that of ω is stored with the run."""
+        """Return the uncertainty of a run's reference; of ω at least that stored with the run."""
         stored = row.reference_uncertainty
         if stored not in self._uncertainties:
             of_reference = self.exact.solution.uncertainty
@@ -202,7 +202,7 @@ class SceneRuns:
 
     @cached_property
     def _uncertainties(self) -> dict[float, Errors]:
-        """Results of `uncertainty` so far, by the uncertainty of ω that is stored with a run."""
+        """A cache of results of `uncertainty`, by the uncertainty of ω stored with a run."""
         return {}
 
 

@@ -1,4 +1,4 @@
-"""Biased rounding, whose errors grow as 1/timestep; those of random rounding grow as the root."""
+"""Biased rounding, whose errors grow as 1/Δt; errors of random rounding grow as 1/√Δt."""
 
 from collections.abc import Iterator
 

@@ -20,8 +20,8 @@ class Survival:
 
     Attributes
     ----------
-    timestep : the largest timestep below which every run survived, s; None if the finest run did
-        not
+    timestep : the largest timestep at which, and at all shorter ones, the runs survived, s; None if
+        the finest run did not
     turn : angle turned in a step of that length where the motion is fastest, rad; None if
         `timestep` is
     at_least : whether all runs survived, so that the method may survive a larger timestep, too

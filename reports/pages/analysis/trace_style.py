@@ -47,8 +47,9 @@ class TraceStyle:
 def trace_styles(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], TraceStyle]:
     """Return a style for every (engine, method); a method's name has one colour in every engine.
 
-    Engines' defaults only share a name, so each has a colour of its own. No two methods have the
-    same dash and marker, as long as there are enough of both.
+    Engines with all their defaults are methods with nothing in common but the name `default…`, so
+    each has a colour of its own. No two methods have the same dash and marker, as long as there are
+    enough of both.
     """
     pairs = list(pairs)
     named = {pair: pair if pair[1].startswith("default") else pair[1] for pair in pairs}

@@ -50,7 +50,7 @@ class Curve(OfMethod):
     Attributes
     ----------
     points : every run that ended ok, coarse to fine
-    stable : the runs of the ladder that ended ok, as far as all runs with shorter timesteps did
+    stable : the runs of the ladder that ended ok and whose finer runs all ended ok, coarse to fine
     seconds_per_step : CPU time of a step, s, None where it was not timed
     uncertainty : uncertainty of the reference in this signal
     rounding : error that one ulp in the start may cause, in the engine's precision
@@ -77,10 +77,11 @@ class Curve(OfMethod):
     order: float | None
 
     def floor(self, timestep: float) -> float:
-        """Return the error that rounding may cause in a run: an ulp a step, times its growth.
+        """Return the error that rounding may cause in a run, plus the reference's uncertainty.
 
-        In double precision it is a bound: all steps may round the same way. In single precision
-        that bound is above most errors, and the sum of rounding at random is returned.
+        Each step may cause the error `rounding`. In double precision the errors of all steps are
+        added, which is a bound: all may round the same way. In single precision that bound is above
+        most errors, and `rounding` times √steps is returned, the sum of rounding at random.
 
         Parameters
         ----------
@@ -94,9 +95,9 @@ class Curve(OfMethod):
     def observed_order(self) -> float | None:
         """The least-squares slope of log error against log timestep over the finest usable runs.
 
-        Runs are usable whose error is in the asymptotic range, and above round-off and the
-        reference's uncertainty. If there are too few, it is the order of the verdict, which may be
-        None.
+        A run is usable if its error is in the asymptotic range, and above round-off and the
+        reference's uncertainty. If there are too few such runs, the order of the verdict is
+        returned, which may be None.
         """
         timesteps = np.array([point.timestep for point in self.stable])
         errors = np.array([point.error for point in self.stable])
@@ -108,9 +109,9 @@ class Curve(OfMethod):
     def least(self) -> CurvePoint | None:
         """The run with the least error, if errors at shorter timesteps are larger, as by rounding.
 
-        It is None otherwise. A single larger error may be chance: at least two runs must show
-        it, stock ones included, by errors that grow from each to the next, or are all larger by
-        `GROWN` and do not fall again.
+        It is None otherwise. A single larger error may be chance: at least two runs with shorter
+        timesteps, stock ones included, must have errors that grow from each to the next, or are all
+        larger by the factor `GROWN` and do not fall again.
         """
         if not self.stable:
             return None
@@ -180,7 +181,7 @@ def slope(coarse: CurvePoint, fine: CurvePoint) -> float:
 
 
 def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:
-    """Return the Pareto front: the timed runs of curves that are more accurate than all cheaper.
+    """Return the Pareto front of curves: the timed runs more accurate than all cheaper ones.
 
     The cheapest is first.
     """

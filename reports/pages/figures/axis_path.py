@@ -78,7 +78,8 @@ def _on_surface(
 ) -> Figure:
     """Return a figure of an ellipsoid and its axes, with the first point of a curve on it.
 
-    The page's script draws the curve itself; here it decides from which side it is looked at.
+    The page's script draws the curve itself. Here `points` give its start, and the side from which
+    the ellipsoid is seen.
 
     Parameters
     ----------

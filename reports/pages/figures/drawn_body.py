@@ -19,7 +19,10 @@ MOST, A_TURN = 500, 24
 
 @lru_cache(maxsize=1)
 def dense_motion(scene: SceneRuns) -> Trajectory:
-    """Return the exact motion of the window, but at most its first `MOST / A_TURN` turns."""
+    """Return the exact motion at `MOST` times of the window, or of its first `MOST / A_TURN` turns.
+
+    The shorter of both is covered.
+    """
     shown = min(1.0, MOST / A_TURN / scene.turns) if scene.turns else 1.0
     return scene.outline(shown * scene.end, MOST)
 

@@ -176,7 +176,7 @@ def heading(text: str, x: float, y: float) -> dict[str, Any]:
 
 
 def packed(values: FloatArray) -> dict[str, str]:
-    """Return an array in base64 for Plotly, in single precision; blow-ups are gaps."""
+    """Return an array in base64 for Plotly, in single precision; values too large are gaps."""
     drawable = np.where(np.abs(values) < BEYOND_DRAWING, values, np.nan)
     single = np.ascontiguousarray(drawable, dtype="<f4")
     return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}

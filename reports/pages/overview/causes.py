@@ -59,15 +59,16 @@ COMMON = 0.1
 
 
 def why(gathered: ReportData, one: Usual, harmless: Collection[str]) -> str:
-    """Return, in words, on how many scenes a default converges or does not, and why if known.
+    """Return, in words, on how many scenes an engine as shipped converges or not, and why if known.
 
-    Where it disagrees with the equations of motion, what it alters or adds by default follows, if
-    that is known: a run that blows up may do so by its integrator alone. Where it only converges,
-    its errors are its integrator's. The text is empty if there is no verdict but "unsupported".
+    Where it disagrees with the equations of motion, the text says what it alters or adds by
+    default, if that is known; not where it blows up, which may be due to the integrator alone.
+    Where it only converges, its errors are its integrator's. The text is empty if there is no
+    verdict but "unsupported".
 
     Parameters
     ----------
-    one : the runs of the default at its stock timestep
+    one : the runs of the engine as shipped at its stock timestep
     harmless : names of what changes no motion, which are not named as reasons
     """
     counts = dict(ask(gathered, f"SELECT verdict, count(*) {_OF_METHOD} GROUP BY 1", *one.pair))

@@ -202,8 +202,9 @@ def _others(shipped: Sequence[Usual]) -> list[str]:
 def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
     """Return the engine's most accurate method not as shipped; None unless it is much better.
 
-    It is if its median attitude error is smaller by `MUCH_SMALLER`. Methods that can simulate less
-    than `COVERING` of the scenes that another of these methods can are left out.
+    A method is much better if its median attitude error is smaller by the factor `MUCH_SMALLER`.
+    Methods are left out if they can simulate fewer scenes than `COVERING` times the number that the
+    engine's most capable such method can.
 
     Parameters
     ----------

@@ -63,9 +63,9 @@ def _of_kind(
     declared: dict[Pair, Method | None],
     styles: dict[Pair, TraceStyle],
 ) -> dict[str, Any] | None:
-    """Return the figure and table of ensembles of one kind of motion; None if no run has an error.
+    """Return the figure and table of ensembles of one kind of motion; None if no error exceeds 0.
 
-    They show the default and the best other method of each engine.
+    They show the best method as shipped and the best other method of each engine.
     """
     # Two ensembles of the same scene may have members in common.
     points = {(p.key.scenario, p.variation, p.pair): p for one in ensembles for p in one.points}

@@ -72,7 +72,8 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
 def _first(scene: SceneRuns) -> int:
     """Return the index of the run to be played first: the engine as shipped with least error.
 
-    Each counts at its own stock timestep; the index is 0 if there is none.
+    Engines are compared by their runs at their own stock timesteps; the index is 0 if there are
+    none.
     """
     shipped = [
         (float(run.series["attitude"].max()), k)

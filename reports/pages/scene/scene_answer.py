@@ -96,7 +96,7 @@ def gains_shown_at_first(scene: SceneRuns) -> set[str]:
 def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
     """Return engines as shipped with their runs at stock timesteps, the smallest error first.
 
-    Of each method that is the run at the longest stock timestep. Runs without errors come last.
+    Each method comes with its run at its longest stock timestep. Runs without errors come last.
     """
     shipped = [runs for runs in scene.methods if runs.as_shipped]
     tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
@@ -226,10 +226,10 @@ def _line(
 
 
 def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
-    """Return four cells: a run's errors, and the time from which on it is more than 1° off.
+    """Return four cells: a run's errors, and the time at which it is first more than 1° off.
 
     They are the attitude error, that time, the ω error and the energy error. Without errors the
-    first cell says how the run ended, and the others are empty.
+    first cell says how the run ended, and the others are `NOTHING`.
 
     Parameters
     ----------

@@ -78,7 +78,8 @@ def verdict_table(scene: SceneRuns) -> Table:
 def signals_table(scene: SceneRuns) -> Table:
     """Return a table of the errors of each method's finest run, by signal.
 
-    Each has the order found, and the timestep below which rounding makes the error grow.
+    Each row also has the observed order, and the timestep below which rounding makes the error
+    grow.
     """
     return records(
         {

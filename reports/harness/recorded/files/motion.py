@@ -62,7 +62,7 @@ class Reading(NamedTuple):
 
 
 def reading_of(recording: Recording) -> Reading:
-    """Return a recording read by its settings; without them as w x y z, and ω along body axes.
+    """Return a recording as its settings say to read it; by default q as w x y z, ω in body axes.
 
     Quaternions are normalised.
     """
@@ -97,9 +97,10 @@ class RecordedMotion:
 
     Attributes
     ----------
-    trajectory : at the file's own times; a com or velocity that was not recorded is the exact one
+    trajectory : at the file's own times; a com or velocity that was not recorded follows from
+        attitude and ω along axes that a constraint holds, and is the exact one along others
     derived : ω as the derivative of the attitudes; None if it was recorded
-    has_spins : whether spins were recorded; if not, rotors keep the constants of their hinges
+    has_spins : whether spins were recorded; if not, they follow from ω by what hinges conserve
     """
 
     trajectory: Trajectory
@@ -124,7 +125,8 @@ def recorded_motion(
     Raises
     ------
     RecordingError
-        If attitudes are too far apart to compute ω from them, or a rotor has no spin.
+        If attitudes are too far apart to compute ω from them, or the number of recorded spins is
+        not that of the scene's rotors.
     """
     arrays, t, q = recording.arrays, reading.t, reading.q
     R_world_body, constraint = matrices(q), scenario.constraint
@@ -178,7 +180,7 @@ def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> DerivedO
 
 
 def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> FloatArray:
-    """Return ω along body axes, rad/s, (n, 3), from polynomials through a number of attitudes.
+    """Return ω in body axes, rad/s, (n, 3), by polynomials through `samples` attitudes at a time.
 
     ω is 2 q⁻¹ q', with weights of q' by B. Fornberg, Math. Comp. 51 (1988) 699.
     """

@@ -89,7 +89,7 @@ def _array(archive: zipfile.ZipFile, entry: str, wanted: tuple[int | None, ...])
 
     Parameters
     ----------
-    wanted : the shape; None stands for any length
+    wanted : the shape that the array must have; None stands for an axis of any length
 
     Raises
     ------

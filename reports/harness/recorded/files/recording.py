@@ -25,7 +25,7 @@ class Quantity:
 
     Attributes
     ----------
-    name : name of its array in npz and JSON lines, with all its components
+    name : name, in npz and JSON lines, of the array of all its components
     columns : the names of its components in a table; empty for spins, which are named `spin1`,
         `spin2`, … for the rotors
     written : another name of the quantity; except for times it is the name in `spincheck export
@@ -127,7 +127,7 @@ def factor_of(quantity: Quantity, unit: str | None) -> float:
 
 
 def _column(head: str) -> Column | None:
-    """Return what a heading names; None if nothing. Raise `ColumnError` for an unknown unit."""
+    """Return the column that a heading names, or None; raise `ColumnError` for an unknown unit."""
     match = _HEAD.match(head)
     if match is None:
         return None

@@ -138,7 +138,7 @@ def _lines(file: IO[str]) -> Iterator[tuple[int, str]]:
     Raises
     ------
     RecordingError
-        If a line is too long. It is read no further than that.
+        If a line is too long; the rest of such a line is not read.
     """
     number = 0
     while line := file.readline(LONGEST_LINE):

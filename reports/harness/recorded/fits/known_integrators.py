@@ -42,9 +42,9 @@ class KnownIntegrators:
 
     @cached_property
     def each(self) -> tuple[Intervals, ...]:
-        """The intervals as steps of each integrator, with the stated timestep.
+        """The intervals, to be followed with each known integrator in turn at the stated timestep.
 
-        If none is stated, it is taken to be the time between samples.
+        If no timestep is stated, the median time between samples is used.
         """
         return self._steps(self.stated or self.span, FEW)
 
@@ -86,7 +86,7 @@ class KnownIntegrators:
     def that_made(self, hypothesis: Hypothesis) -> str:
         """Return in words the integrator that computed the motion, if a hypothesis holds; or empty.
 
-        Its steps with the equations of the hypothesis lead from sample to sample.
+        The integrator's steps with the equations of the hypothesis lead from sample to sample.
         """
         exactly = self.left_exactly(hypothesis)
         return self._in_words(self._best(self.each, hypothesis, exactly, noise=1.0))

@@ -50,8 +50,8 @@ def left_by_methods(
 ) -> FloatArray:
     """Return what the leading errors of methods of given orders leave of the residuals, (6 S,).
 
-    It is in units of `data.scale`. The coefficients of elementary differentials, up to `LARGEST`,
-    are fitted by least squares.
+    It is in units of `data.scale`, for S intervals. The coefficients of elementary differentials,
+    up to `LARGEST`, are fitted by least squares.
 
     Parameters
     ----------

@@ -62,7 +62,7 @@ class Log(Data):
 
     @cached_property
     def integrator(self) -> Integrator:
-        """`APPROXIMATE` if its error is smaller than the standard error of a mean, else `EXACT`."""
+        """`APPROXIMATE` if its error is below the noise of the mean of samples, else `EXACT`."""
         error = ERROR * self.rate * float(np.abs(self.t - self.t[0]).max())
         noise = min(self.noise[0], self.noise[1] / (self.rate or 1.0)) / np.sqrt(len(self.t))
         return APPROXIMATE if error < noise else EXACT
@@ -71,7 +71,7 @@ class Log(Data):
     def beginnings(self) -> Sequence["Log"]:
         """As in `Data`: the first log is so short that its motion is nearly linear in its start.
 
-        All logs but the last, which has all samples, have at most `MOST` of their samples.
+        The last log has all samples. Each other one has at most `MOST`, spread over a beginning.
         """
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
         length, lengths = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), list[int]()
@@ -110,7 +110,7 @@ class Log(Data):
 
         Parameters
         ----------
-        t : s, (n,), later and later than the first sample, or earlier and earlier
+        t : s, (n,), increasing from the time of the first sample on, or decreasing from it
 
         Returns
         -------
@@ -127,9 +127,9 @@ class Log(Data):
         return follow_each(equations, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
 
     def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:
-        """As in `Data`: those of the tensor of inertia relative to its trace, (9,).
+        """As in `Data`: the deviations of the entries of the tensor of inertia, (9,).
 
-        The prior mean is the tensor of the scene.
+        The tensor is relative to its trace, and the prior mean is that of the scene.
         """
         made, usual = (h.equations.inertia for h in (hypothesis, self.base))
         deviation = made / np.trace(made) - usual / np.trace(usual)

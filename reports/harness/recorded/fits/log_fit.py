@@ -69,7 +69,7 @@ class LogFit:
 
     @cached_property
     def axes(self) -> Change:
-        """The change in which the axes that attitude and ω are stated in are turned in the body."""
+        """The change in which attitude and ω are those of axes that are turned in the body."""
         omega = self.given.scene_start[4:]
 
         def turn_axes(h: Hypothesis, turn: FloatArray) -> Hypothesis:
@@ -105,10 +105,10 @@ class LogFit:
 
     @cached_property
     def search(self) -> Stepwise:
-        """The search for changes that the samples require, with the noise before any fit.
+        """The search for changes that the samples require, with the noise known before any fit.
 
-        Special changes that fit the moments about given axes are left out, as noise may hide that
-        the tensor has other axes.
+        Changes that fit only the moments about given axes are left out, as noise may hide that the
+        tensor has other axes.
         """
         special = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
         special = [one for one in special if len(one.scales) <= MOST_PARAMETERS]
@@ -153,8 +153,8 @@ class LogFit:
 
         Returns
         -------
-        The likelihood relative to that with the given change, the change, and the fit; the
-        likeliest first
+        For each mistake, the likeliest first: the likelihood relative to that with the given
+        change, the change that the mistake is, and the fit with it
         """
         fits = []
         for other in OF_LOGS:
@@ -173,7 +173,7 @@ class LogFit:
 
     @cached_property
     def right_by_itself(self) -> list[str]:
-        """The sentence that only attitude or ω, or each state at another time, is the scene's.
+        """The sentence that attitude alone, ω alone, or each state at another time is the scene's.
 
         The list is empty if none of these is so.
         """
@@ -216,8 +216,8 @@ class LogFit:
     def _is_beyond(self, fit: Fit) -> bool:
         """Whether the residuals of a fit exceed noise.
 
-        If the noise is not stated, they are compared with it by an F test, as it was estimated
-        itself.
+        The test is a χ² test if the noise is stated. Otherwise the noise was estimated itself, and
+        the test is an F test.
         """
         squares, freedom = (
             self.given.squares(fit.residuals),
@@ -241,7 +241,7 @@ class LogFit:
 
     @property
     def inflation(self) -> float:
-        """The factor of standard errors by residuals beyond noise, √(χ² / degrees of freedom).
+        """The factor of standard errors, √(χ² / degrees of freedom), where residuals exceed noise.
 
         It is 1 if the residuals do not exceed noise. The Particle Data Group scale errors so where
         measurements differ by more than their errors (R. L. Workman et al., Prog. Theor. Exp. Phys.
@@ -270,8 +270,8 @@ class LogFit:
     def shows_tensor(self) -> bool:
         """Whether no standard error of the tensor's entries exceeds the largest entry.
 
-        It is false if the tensor only takes the place of changes that the samples require, and
-        leaves residuals beyond noise that those changes do not leave.
+        It is also false if the fit with start and tensor added leaves residuals beyond noise and
+        the best fit does not: then the tensor only takes the place of changes that are required.
         """
         if self._is_beyond(self.with_tensor) and not self.is_beyond:
             return False

@@ -153,7 +153,7 @@ def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def momentum(scenario: Scenario, e: OtherEquations) -> Change:
-    """The change of the rotors' constant angular momentum, N m s, or of rotors the scene lacks."""
+    """The change of the constant angular momentum of rotors, N m s, which the scene may lack."""
     size = float(np.linalg.norm(e.kept)) or mean_moment(e) * usual_rate(scenario, e)
     kind = "rotors' momentum" if e.kept.any() else "momentum besides"
     return fitted(kind, e.kept, size, lambda h, n: h.of(kept=n))

@@ -239,8 +239,8 @@ class Physics:
     def is_of_method(self) -> bool:
         """Whether noise or the errors of methods explain the differences from the exact flow.
 
-        The errors of methods of orders up to the stated one and one higher are fitted. What remains
-        is at most as large as the next term of a method's error.
+        The errors of methods of all orders up to one above the stated order are fitted. What
+        remains must be smaller than the next term of a method's error.
         """
         return self._square_beside_methods < self.next_term**2
 
@@ -346,7 +346,8 @@ class Physics:
     def _of_motion(self) -> list[Change]:
         """The changes of `search`, but for fitted ones of readings and of kinematics.
 
-        If a body turns about a steady axis, the error of any method looks like one of the latter.
+        If a body turns about a steady axis, the error of any method looks like a fitted change of
+        kinematics.
         """
         changes = self.search.changes if self.search else ()
         return [one for one in changes if not (len(one.scales) and is_of_turning(one))]

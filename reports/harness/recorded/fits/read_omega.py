@@ -156,7 +156,7 @@ def _omega_between(
 
 
 def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[str]]:
-    """Yield each clamp, as a list of one sentence, that makes the recorded ω of the body's.
+    """Yield each clamp that turns the body's ω into the recorded ω, as a list of one sentence.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
 
 
 def _differences(motion: Trajectory) -> list[str]:
-    """Return, in words, from which two attitudes ω was computed as a mean rate; empty if not so."""
+    """Return the sentence that ω is the mean rate between two attitudes, and which; often none."""
     t, q, omega = motion.t, motion.q_world_body_wxyz, motion.omega_body
     rates = rotation_vectors(q[:-1], q[1:]) / np.diff(t)[:, None]
     least = LEFT**2 * float(norms(np.diff(rates, axis=0)).max())

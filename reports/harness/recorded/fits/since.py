@@ -1,4 +1,4 @@
-"""Finds the time of a sudden change: before it a motion is the scene's, after it it obeys a law.
+"""Finds the time of a sudden change: the motion is the scene's before, and obeys some law after.
 
 Examples are a boom that unfolds, a thruster that stops, an impact, or a sensor that is knocked out
 of place.

@@ -57,7 +57,7 @@ def _at_another_time(scenario: Scenario, start: FloatArray, deviations: FloatArr
     Parameters
     ----------
     start : the exact state at the first sample, q and ω, (1, 7)
-    deviations : those of the recorded attitude, rad, and ω, rad/s, from that state, (2, 3)
+    deviations : deviations of the recorded attitude, rad, and ω, rad/s, from that state, (2, 3)
     """
     equations = as_it_is(scenario).equations
     rate = max(equations.rate, float(norms(start[:, 4:])[0]))
@@ -116,7 +116,7 @@ def _misread_start(scenario: Scenario, first: FloatArray) -> str:
 
 
 def _attitudes(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
-    """Yield a scene's first attitude, scalar first, (4,), as it is and misread, after its words."""
+    """Yield words, and a scene's first attitude, scalar first, (4,): as it is, then as misread."""
     q_wxyz, angles = scenario.start.q_world_body_wxyz, scenario.document.start.euler_zyz_deg
     yield "", q_wxyz
     yield "its attitude is that of the world in the body", conjugate(q_wxyz)
@@ -131,7 +131,7 @@ def _attitudes(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _rates(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
-    """Yield a scene's first ω, rad/s, body axes, (3,), as it is and misread, after its words."""
+    """Yield words, and a scene's first ω, rad/s, body axes, (3,): as it is, then as misread."""
     omega, R_world_body = scenario.start.omega_body, matrix(scenario.start.q_world_body_wxyz)
     yield "", omega
     yield "its ω along world axes is taken to be along body axes", R_world_body @ omega

@@ -135,7 +135,7 @@ class Stepwise(Search):
 
         A change is promising if, linearised, it reduces the excess of the mean square of `alone`
         over that of `fit` to the fraction `PROMISING`² or less. The parameters start from those of
-        `alone` or of `fit`, from which that reduction is larger.
+        `alone` or of `fit`, whichever gives the larger reduction.
         """
         enough = fit.mean_square + PROMISING**2 * (alone.mean_square - fit.mean_square)
         starts = alone, fit

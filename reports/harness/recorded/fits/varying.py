@@ -100,7 +100,7 @@ def _fit(
 
 
 def _residuals(parts: Sequence[Intervals], change: Change, numbers: FloatArray) -> FloatArray:
-    """Return the residuals of each interval with its own parameter, of `numbers`, (S, 6)."""
+    """Return the residuals, (S, 6), of each interval with its own parameter in `numbers`, (S,)."""
     residuals = [
         part.deviations([change.apply(part.base, parameter[None])])[0]
         for part, parameter in zip(parts, numbers, strict=True)

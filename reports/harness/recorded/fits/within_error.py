@@ -24,7 +24,7 @@ ROOM = 2.0
 
 @dataclass(frozen=True, eq=False)
 class BesideMethods(Data):
-    """Intervals in which leading errors of methods count as errors.
+    """Intervals in which the leading errors of methods count like noise of a known size.
 
     Attributes
     ----------
@@ -152,7 +152,7 @@ def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> li
     """Return the sizes that the errors of methods may have, rad and rad/s, (2,) each.
 
     These are the size without any change, the geometric mean of the other two, and the least size
-    with any change.
+    that a single change leaves.
     """
     most = _fitted_size(data, errors, data.deviations([data.base]))
     units = np.maximum(most, FITS)

@@ -57,7 +57,7 @@ CLAMPS = (
 
 
 class Clamp(NamedTuple):
-    """A clamp of ω in words, and the first sample at its bound."""
+    """A clamp of ω in words, and the index of the first sample at its bound."""
 
     words: str
     first: int

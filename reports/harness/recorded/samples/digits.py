@@ -45,7 +45,8 @@ class Numbers:
     q, omega : as in the file, (n, 4) and, rad/s, (n, 3); `omega` is None if it was not recorded
     q_exact, omega_exact : the exact attitude, scalar first, (n, 4), and the exact ω in the axes
         that the file states, rad/s, (n, 3)
-    rates : mean ω from each sample to the next by the attitudes, in those axes, rad/s, (n - 1, 3)
+    rates : mean ω from each sample to the next by the attitudes, in the axes of `omega`, rad/s,
+        (n - 1, 3)
     """
 
     t: FloatArray
@@ -62,12 +63,12 @@ class Numbers:
 
     @cached_property
     def resolution_q(self) -> float:
-        """The unit of the last digit of the quaternion's largest component."""
+        """The resolution of the printed quaternions, as `resolution` returns it."""
         return resolution(self.q, (1.0,))
 
     @cached_property
     def resolution_omega(self) -> float:
-        """The unit of the last digit of the largest component of ω, rad/s."""
+        """The resolution of the printed ω, rad/s, as `resolution` returns it; 0 without ω."""
         return 0.0 if self.omega is None else resolution(self.omega, RATES.values())
 
     @cached_property
@@ -230,7 +231,7 @@ def _still(numbers: Numbers) -> Shown | None:
 
 
 def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
-    """Return the finding that samples a to b are the same, and whether the later ones are late."""
+    """Return the finding that samples a to b are the same, and whether those after b are late."""
     t, q = numbers.t, numbers.q / norms(numbers.q)[:, None]
     samples = "1 sample" if b == a + 1 else f"{b - a} samples"
     if b == len(t) - 1:

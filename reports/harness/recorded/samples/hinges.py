@@ -45,5 +45,5 @@ def spins_beyond(
 
 
 def keeps_momentum_of_start(scenario: Scenario) -> bool:
-    """Whether rotors keep an angular momentum that depends on ω at the start: free hinges."""
+    """Whether a rotor keeps an angular momentum that depends on ω at the start: on a free hinge."""
     return bool(scenario.rotors.is_free.any())

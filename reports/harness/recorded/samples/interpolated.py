@@ -83,8 +83,8 @@ def _lines(
 ) -> list[tuple[int, int]]:
     """Return the straight lines of a recorded ω that begin or end with a kink.
 
-    Samples are on a line if ω bends there by no more than rounding, though the exact ω bends far
-    more, or the recorded one does at most samples, as by noise.
+    Samples are on a line if the recorded ω bends there by no more than rounding, though the exact ω
+    bends far more there, or the recorded ω bends far more at most samples, because of noise.
 
     Parameters
     ----------

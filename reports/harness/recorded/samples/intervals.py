@@ -163,8 +163,8 @@ def error_at_first_sample(
 ) -> FloatArray:
     """Return bounds of a method's error at the first sample, in attitude, rad, and ω, rad/s, (2,).
 
-    The error grows from the scene's start to that sample. They are 0 at the start, and infinite if
-    a difference of the start grows beyond doubles.
+    The error grows from the scene's start to that sample. The bounds are 0 if the sample is at the
+    start, and infinite if a difference of the start grows beyond doubles.
 
     Parameters
     ----------

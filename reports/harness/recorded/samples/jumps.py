@@ -85,7 +85,7 @@ def jumps(data: Intervals, reach: int) -> list[Jump]:
 def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[int]:
     """Return the indices of the intervals whose deviations are far larger than the others'.
 
-    None are returned if there are too many.
+    The list is empty if there are too many.
 
     Parameters
     ----------

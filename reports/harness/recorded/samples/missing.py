@@ -73,7 +73,7 @@ def missing(data: Intervals) -> list[str]:
 
 
 def is_attitude_off(motion: Trajectory, exact: Trajectory) -> bool:
-    """Whether only the attitude is wrong: the error of ω, relative, is far below its error in rad.
+    """Whether only the attitude is wrong: the relative error of ω is far below the attitude's, rad.
 
     Both motions have the same times.
     """
@@ -120,7 +120,7 @@ def _torque(data: Intervals) -> str:
 
 
 def _rate(data: Intervals) -> str:
-    """Return in words the angular velocity of the attitude that is missing in ω.
+    """Return in words the angular velocity with which the attitude turns besides ω.
 
     It is averaged over each interval, in body axes.
     """

@@ -155,7 +155,7 @@ def _kinematic_error(reading: Reading) -> float:
 
     Returns
     -------
-    Infinite without ω, of too few samples, or if the attitude is constant
+    Infinite without ω, with too few samples, or if the attitude is constant
     """
     if (omega := reading.omega_body) is None or len(omega) < FEWEST:
         return np.inf
@@ -200,10 +200,10 @@ class _Beginning:
         return self._at[times]
 
     def turned(self, q: FloatArray, t: FloatArray) -> float:
-        """Return the largest error of attitudes, (n, 4), at times, s, (n,), relative.
+        """Return the largest error of attitudes q, (n, 4), at times t, s, (n,), relative to a turn.
 
-        It is divided by the exact motion's turn in these times, rad, or by 1 rad if that turn is
-        larger. Otherwise, with times so short that neither motion turns, it would seem small.
+        The turn is the exact motion's in these times, but at most 1 rad. The error itself would
+        seem small with times so short that neither motion turns.
         """
         key = q.tobytes(), t.tobytes()
         if key not in self._attitude_errors:
@@ -246,7 +246,7 @@ class _Beginning:
         Parameters
         ----------
         readings : the corrections that are tried
-        best : the correction that was the best so far
+        best : the correction to be improved upon; no words, and the reading as given, if none
         """
         given = best[1]
         baseline = least = self.error(given)

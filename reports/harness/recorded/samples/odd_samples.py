@@ -191,10 +191,10 @@ def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
 
 
 def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: FloatArray) -> str:
-    """Return in words that each state is the exact motion's at another time; empty if one is not.
+    """Return in words that each state is the exact motion's at another time; empty if not.
 
-    The time of each state is found by Newton's method. It is also empty if the errors need no
-    explanation, or if less than a tenth of the times between samples differ.
+    The time of each state is found by Newton's method. The words are also empty if the errors need
+    no explanation, or if less than a tenth of the times between samples differ.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ def other_readings(
 
 
 def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with even times, after its words, if its own may be these after rounding.
+    """Yield words, and the recording with even times, if its own times may be even ones, rounded.
 
     Samples are 1/n s apart, with an integer n, or as far apart as fits best.
     """
@@ -70,7 +70,7 @@ def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with the components of x y z, of quaternion and ω, in other orders."""
+    """Yield words, and the recording with x, y, z of quaternion and ω in other orders and signs."""
     for components in OTHER_COMPONENTS:
         names = ", ".join(f"{'-' * (one < 0)}{' xyz'[abs(one)]}" for one in components)
         axes, signs = np.abs(components) - 1, np.sign(components)
@@ -107,7 +107,7 @@ def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with the ω of some samples earlier or later, after its words."""
+    """Yield words, and the recording with attitudes beside the ω of earlier or later samples."""
     for samples in SAMPLES:
         earlier, later = slice(None, -samples), slice(samples, None)
         for age, own, other in (("older", earlier, later), ("newer", later, earlier)):

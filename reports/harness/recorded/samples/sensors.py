@@ -204,7 +204,7 @@ def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> Floa
 
 
 def _propagated(hypothesis: Hypothesis, states: FloatArray, by: float) -> FloatArray:
-    """Return states, (S, 7), as they are `by` s later; nan if the body turns too far in that."""
+    """Return states, (S, 7), as they are `by` s later; nan if the body turns too far by then."""
     if not abs(by) * norms(states[:, 4:]).max() < FURTHEST:
         return np.full_like(states, np.nan)
     return follow(hypothesis.equations, states, np.full((len(states), 1), by))[:, 0]

@@ -15,7 +15,7 @@ def other_spins(
     motion: Trajectory,
     timestep: float | None,
 ) -> list[str]:
-    """Return that spins are not those that follow from the recorded ω, in words; often none.
+    """Return the sentence that spins are not those that follow from the recorded ω; often none.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ def other_translation(
     motion: Trajectory,
     timestep: float | None,
 ) -> list[str]:
-    """Return that com or velocity have errors that no method explains, in words; often none.
+    """Return sentences on errors of com and velocity that no method explains; often none.
 
     The error of the attitude is allowed for, and a constant displacement of the com along axes that
     it is free to move along.
@@ -116,7 +116,7 @@ def far_off(
     rounding: float,
     extent: float,
 ) -> list[str]:
-    """Return that a quantity's error is far beyond what a method makes, in words; or nothing.
+    """Return the sentence that a quantity's error is far beyond a method's; an empty list if not.
 
     An error that alternates is noise, which is not judged.
 
@@ -146,8 +146,8 @@ def _is_smooth(deviation: FloatArray) -> bool:
 def rounding_of(numbers: FloatArray, units: dict[str, float], steps: float) -> float:
     """Return the largest error by rounding, in the unit of `numbers`.
 
-    Printed numbers are rounded once; those that an engine adds up in single precision, in each of
-    its steps. Few digits may be of either.
+    A printed number is rounded once, and one that an engine adds up in single precision is rounded
+    in each of its steps, too. Few digits may be due to either, so that both errors are added.
     """
     once = resolution(numbers, units.values())
     return once + min(once, float(np.finfo(np.float32).eps) * float(np.abs(numbers).max())) * steps

@@ -40,4 +40,9 @@ def test_judging_opens_no_file():
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
     }
-    assert not {name for _, name in calls} & {"open", "open_store", "run_rungs", "examine_or_refuse"}
+    assert not {name for _, name in calls} & {
+        "open",
+        "open_store",
+        "run_rungs",
+        "examine_or_refuse",
+    }
