@@ -106,7 +106,7 @@ class ExactMotion:
         """Return the motion at given times; raise if it is not known at all of them."""
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
         if wanted.ndim > 1 or not len(wanted):
-            raise ValueError(f"'times' must have the shape (n,), got {wanted.shape}.")
+            raise ValueError(f"'times' must have the shape (n,), n > 0, got {wanted.shape}.")
         check_scales(self._scenario, until=max(self._scenario.window.duration, float(wanted[-1])))
         solution = self._solver.solve(wanted)
         if len(solution.trajectory.t) < len(wanted):

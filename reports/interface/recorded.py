@@ -13,6 +13,8 @@ from spincheck.reports.harness.recorded.recorded_ladder import study_of_files, v
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import FloatArray, Scenario
 
+#: The highest order of accuracy of a method.
+MOST_ORDER = 12
 #: By the name of an argument, the quantity that it gives and its number of components: None for t,
 #: and any number for spins.
 ARGUMENTS = {
@@ -54,13 +56,18 @@ class Made:
         ValueError
             If a number is not positive, or a precision unknown.
         """
-        if self.order < 1:
-            raise ValueError(f"'order' must be at least 1, got {self.order}.")
+        check_order(self.order)
         stated = {name: value for name, value in vars(self).items() if name != "order"}
         given = {name: str(value) for name, value in stated.items() if value is not None}
         return {
             key: value for name in given for key, value in setting(name, given[name], None).items()
         }
+
+
+def check_order(order: int) -> None:
+    """Raise ValueError for an order of accuracy that no method is judged by."""
+    if not (isinstance(order, int | np.integer) and 1 <= order <= MOST_ORDER):
+        raise ValueError(f"'order' must be a whole number from 1 to {MOST_ORDER}, got {order!r}.")
 
 
 def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -> JudgedMotion:
@@ -105,6 +112,10 @@ def verdict_on(scenario: Scenario, motions: Sequence[JudgedMotion], order: int) 
     Raises
     ------
     ValueError
-        If timesteps are unknown or not halved, or the motions share no sample times.
+        If there are no motions, timesteps are unknown or not halved, or the motions share no sample
+        times.
     """
+    check_order(order)
+    if not motions or not all(isinstance(one, JudgedMotion) for one in motions):
+        raise ValueError("'motions' must be what 'spincheck.judge' returned, one a timestep.")
     return verdict_on_files(study_of_files(scenario, motions, order))

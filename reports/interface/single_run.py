@@ -27,9 +27,9 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
         If there is no such engine or method, or the timestep does not fit the window.
     """
     chosen = _engine_of(engine, method)
-    if not 0 < timestep <= scenario.window.duration:
+    if not (isinstance(timestep, float | int) and 0 < timestep <= scenario.window.duration):
         longest = scenario.window.duration
-        raise ValueError(f"'timestep' must be above 0 and at most {longest:g} s, got {timestep}.")
+        raise ValueError(f"'timestep' must be above 0 and at most {longest:g} s, got {timestep!r}.")
     choice = Choice((chosen,), (method,), (timestep,), timed=False)
     executor = _workers(os.getpid())
     with (

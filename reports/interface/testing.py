@@ -1,7 +1,9 @@
 """Assertions for tests, in the manner of `numpy.testing`."""
 
+import math
 from typing import TYPE_CHECKING
 
+import numpy as np
 from spincheck import judge
 from spincheck.scenarios import SIGNAL
 
@@ -39,13 +41,17 @@ def assert_matches_exact(
         With each signal that exceeds its bound, by how much, from when on, and the common mistake
         that explains it, if one does.
     ValueError
-        If a bound names no signal, or one that was not recorded; and as for `spincheck.judge`.
+        If a bound is not positive, names no signal, or one that was not recorded; and as for
+        `spincheck.judge`.
     """
     wanted = {name.removesuffix("_error"): bound for name, bound in bounds.items()}
     if unknown := [name for name in wanted if name not in SIGNAL]:
         raise ValueError(f"'{unknown[0]}' must be one of {', '.join(SIGNAL)}.")
     if not wanted:
         raise ValueError("a bound must be given, such as attitude=1e-3.")
+    for name, bound in bounds.items():
+        if not (isinstance(bound, int | float | np.floating) and 0 < bound < math.inf):
+            raise ValueError(f"'{name}' must be a positive number, got {bound!r}.")
     motion = judge(
         scene,
         t=t,

@@ -116,7 +116,8 @@ def gradients(
     """Check engines' derivatives of their steps against those of the exact motion.
 
     Derivatives that an engine gives itself are checked, and central differences of its steps.
-    Methods as shipped are left out unless they are named. Exits with 1 if a derivative is wrong.
+    Methods as shipped are left out unless they are named. Exits with 1 if a
+    derivative is wrong or fails.
     """
     from .gradients import exit_code, gradients_as_json, print_gradients
     from .gradients import gradients as judge_gradients

@@ -81,8 +81,9 @@ def gradients_as_json(rows: Sequence[GradientRow]) -> list[dict[str, Any]]:
 
 
 def exit_code(rows: Sequence[GradientRow]) -> int:
-    """Return 1 if a derivative is wrong, 3 if no derivative is known to be right, else 0."""
-    if any(row.judged.verdict == "disagrees" or row.judged.is_own is False for row in rows):
+    """Return 1 if a derivative is wrong or fails, 3 if none is known to be right, else 0."""
+    wrong = ("disagrees", "failed")
+    if any(row.judged.verdict in wrong or row.judged.is_own is False for row in rows):
         return DISAGREES
     return AGREES if any(row.judged.verdict == "converges" for row in rows) else NOT_RUN
 

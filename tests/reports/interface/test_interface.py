@@ -60,7 +60,7 @@ def test_exact_states_have_what_their_names_say(exact):
     with pytest.raises(ValueError, match=r"'times' must not reach .*: it is chaotic"):
         spincheck.exact(scene).at([0.0, scene.window.duration * 10])
     for times in ([], [[0.0, 1.0]]):
-        with pytest.raises(ValueError, match=r"'times' must have the shape \(n,\), got"):
+        with pytest.raises(ValueError, match=r"'times' must have the shape \(n,\), n > 0, got"):
             spincheck.exact(scene).at(times)
 
 
@@ -69,7 +69,7 @@ def test_derivatives_are_at_the_times_asked_for_and_none_are_beyond_what_is_know
     assert motion.sensitivity([0.0, 1.0]).state_transition.shape == (2, 6, 6)
     assert motion.sensitivity(1.0).gravity.shape == (1, 6, 3)
     for times in ([], [[0.0, 1.0]]):
-        with pytest.raises(ValueError, match=r"'times' must have the shape \(n,\), got"):
+        with pytest.raises(ValueError, match=r"'times' must have the shape \(n,\), n > 0, got"):
             motion.sensitivity(times)
     scene = library_scene("chaos-beyond-the-horizon")
     with pytest.raises(ValueError, match=r"'times' must not reach .*: it is chaotic"):
@@ -99,12 +99,27 @@ def test_a_motion_is_judged_in_every_form_that_it_may_have(exact):
         ({"t": np.zeros(401)}, "times must increase"),
         ({"omega_body": np.full((401, 3), np.nan)}, "'omega' must be finite"),
         ({"omega_body": np.ones((3, 3))}, "'omega' must have a row for each time, got 3"),
+        ({"order": 1.5}, "'order' must be a whole number from 1 to 12, got 1.5"),
+        ({"order": 13}, "'order' must be a whole number from 1 to 12, got 13"),
     ],
 )
 def test_arrays_that_are_no_motion_are_refused(exact, changed, words):
     arrays = {"t": exact.t, "q_wxyz": exact.q_world_body_wxyz} | changed
     with pytest.raises(ValueError, match=words):
         spincheck.judge("fast-top", **arrays)
+
+
+@pytest.mark.parametrize("motions", [[], ["motion"]])
+def test_a_verdict_is_on_motions_that_were_judged(motions):
+    with pytest.raises(ValueError, match=r"'motions' must be what 'spincheck\.judge' returned"):
+        spincheck.judge_timesteps("fast-top", motions)
+
+
+@pytest.mark.parametrize("bound", [-1.0, 0.0, np.nan, "1deg"])
+def test_a_bound_is_a_positive_number(exact, bound):
+    arrays = {"t": exact.t, "q_wxyz": exact.q_world_body_wxyz}
+    with pytest.raises(ValueError, match="'attitude' must be a positive number, got"):
+        assert_matches_exact("fast-top", **arrays, attitude=bound)
 
 
 def test_the_assertion_passes_on_the_exact_motion_and_fails_with_an_explanation(exact):
@@ -173,6 +188,7 @@ def test_runs_are_made_in_a_process_of_their_own_the_same_unless_one_was_interru
         ({"engine": "mujocoo"}, "'engine' must be one of .*mujoco"),
         ({"method": "rk5"}, "'method' must be one of .*RK4"),
         ({"timestep": 0.0}, "'timestep' must be above 0"),
+        ({"timestep": "0.002"}, "'timestep' must be above 0 .*got '0.002'"),
     ],
 )
 def test_runs_that_cannot_be_made_are_refused(changed, words):

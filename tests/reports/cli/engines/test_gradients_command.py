@@ -39,6 +39,7 @@ def test_a_line_for_each_derivative_with_its_reason(capsys: pytest.CaptureFixtur
         ("converges", None, AGREES),
         ("converges", False, DISAGREES),
         ("disagrees", True, DISAGREES),
+        ("failed", None, DISAGREES),
         ("unsupported", None, NOT_RUN),
     ],
 )
