@@ -104,7 +104,9 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]
         # Possibly the machine is at fault, which the caller decides.
         raise
     except Exception as error:  # After a bug in an adapter the samples so far are kept.
-        return snapshots, Sampled(NOTHING, "failed", f"{type(error).__name__}: {error}", "bug")
+        return snapshots, Sampled(
+            NOTHING, "failed", f"{type(error).__name__}: {error}".removesuffix(": "), "bug"
+        )
     return snapshots, Sampled(NOTHING)
 
 

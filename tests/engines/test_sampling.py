@@ -127,6 +127,10 @@ class Buggy(GaveUpInAStep):
     error = ZeroDivisionError("a bug")
 
 
+class BuggyWithoutWords(GaveUpInAStep):
+    error = AssertionError()
+
+
 class LateFault(Turning):
     """Takes snapshots without looking, and finds its fault in them later."""
 
@@ -169,6 +173,7 @@ FAULTS = {
     GaveUpInAStep: ("failed", "refused", "out of memory"),
     KeptTheLastState: ("diverged", "not-finite", "accelerations are nan"),
     Buggy: ("failed", "bug", "ZeroDivisionError: a bug"),
+    BuggyWithoutWords: ("failed", "bug", "AssertionError"),
 }
 
 

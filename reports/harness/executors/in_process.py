@@ -31,7 +31,9 @@ class InProcess(Executor):
         try:
             return Answer(function(*args, **kwargs))
         except (Exception, SystemExit) as error:
-            return Answer(CallFailed(f"{type(error).__name__}: {error}", cause_of(error)))
+            return Answer(
+                CallFailed(f"{type(error).__name__}: {error}".removesuffix(": "), cause_of(error))
+            )
 
     def alone(self) -> Executor:
         """Return the executor itself, as it makes one call at a time."""

@@ -100,7 +100,9 @@ def _answer(request: bytes) -> bytes:
         return pickle.dumps((True, call(), ""))
     # `sys.exit` in a call is a failure of the call, not the end of the worker.
     except (Exception, SystemExit) as error:
-        return pickle.dumps((False, f"{type(error).__name__}: {error}", cause_of(error)))
+        return pickle.dumps(
+            (False, f"{type(error).__name__}: {error}".removesuffix(": "), cause_of(error))
+        )
 
 
 def cause_of(error: BaseException) -> "Cause":

@@ -11,9 +11,11 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from mpmath import mpf
+from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ....engines import (
@@ -261,6 +263,9 @@ class _Study:
             for steps in np.diff(ends, prepend=0).tolist():
                 seconds += batch.timed(steps)
                 snapshots.append(list(batch.snapshots(self._places)))
+                if (given := len(snapshots[-1])) != len(self._places):
+                    places = len(self._places)
+                    raise EngineError(f"its batch gave {given} snapshots of {places} worlds", "bug")
             return _Motion(ends, snapshots, seconds / ends[-1], batch.device)
 
     def _ends(self, scenes: Sequence[Scenario]) -> list[int]:
@@ -298,7 +303,7 @@ def _difference(
     ulp : relative spacing of the engine's numbers
     """
     same = [
-        np.array_equal(np.asarray(a), np.asarray(b), equal_nan=True)
+        np.array_equal(_numbers(a), _numbers(b), equal_nan=True)
         for a, b in zip(first.snapshots, second.snapshots, strict=True)
     ]
     if all(same):
@@ -307,6 +312,12 @@ def _difference(
     distance = _distance(states(first.snapshots[began]), states(second.snapshots[began]))
     degrees = _degrees(states(first.snapshots[-1]), states(second.snapshots[-1]))
     return Apart(first.ends[began], distance / ulp, degrees)
+
+
+def _numbers(snapshots: Sequence[object]) -> NDArray[Any]:
+    """Return n snapshots, which are states or numbers, as an array with n rows."""
+    each = [np.hstack(one.columns) if isinstance(one, State) else one for one in snapshots]
+    return np.asarray(each)
 
 
 def _distance(first: State, second: State) -> float:

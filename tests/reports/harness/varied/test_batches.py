@@ -24,6 +24,7 @@ from spincheck.engine import (
     State,
     UnsupportedError,
 )
+from spincheck.engines.checks.read_back import stacked
 from spincheck.reports.harness.varied.batches import (
     NUMBER,
     PLACE,
@@ -176,6 +177,46 @@ def test_worlds_that_depend_on_nothing_have_the_same_bits() -> None:
     assert row.until == SCENE.window.duration
     assert row.seconds_per_step
     assert row.beside
+
+
+class OfStates(Turning):
+    """Its snapshots are states, as those of a session that does not say otherwise."""
+
+    def snapshot(self) -> State:
+        return super().states([self.numbers]).rows(0)
+
+    def states(self, snapshots: Sequence[State]) -> State:
+        return stacked(snapshots)
+
+
+class EngineOfStates(TurningEngine):
+    def open(self, scenario: Scenario, method: Method, timestep: float) -> OfStates:
+        return OfStates(float(scenario.start.omega_body[2]))
+
+    def open_batch(
+        self, scenarios: Sequence[Scenario], method: Method, timestep: float
+    ) -> TurningBatch:
+        batch = super().open_batch(scenarios, method, timestep)
+        batch.worlds = [self.open(scenario, method, timestep) for scenario in scenarios]
+        return batch
+
+
+@each_case(("fault", "because"), [(lambda *_: False, ()), (FAULTS[PLACE], (PLACE,))])
+def test_snapshots_may_be_states(fault: Fault, because: tuple[str, ...]) -> None:
+    row = batch_of(SCENE, EngineOfStates(fault), ROW)
+    assert (row.outcome, row.because) == ("ok", because)
+
+
+def test_a_batch_that_gives_too_few_snapshots_is_not_said_to_move_otherwise() -> None:
+    class Short(TurningBatch):
+        def snapshots(self, places: Sequence[int]) -> list[FloatArray]:
+            return super().snapshots(places[:-1])
+
+    engine = TurningEngine()
+    engine.open_batch = lambda scenarios, *_: Short([RATE] * len(scenarios), engine.fault)
+    row = batch_of(SCENE, engine, ROW)
+    assert (row.outcome, row.because) == ("failed", ())
+    assert row.reason.startswith("its batch gave ")
 
 
 def test_a_world_that_is_no_longer_finite_is_infinitely_far() -> None:
