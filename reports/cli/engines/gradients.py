@@ -8,6 +8,7 @@ import numpy as np
 
 from ...harness.gradients.compared import GradientRow
 from ...harness.gradients.study import gradient_by, offered_by
+from ...results.verdict_words import VERDICT
 from ..choosing import choose, compile_first, executor_for
 from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
@@ -82,8 +83,7 @@ def gradients_as_json(rows: Sequence[GradientRow]) -> list[dict[str, Any]]:
 
 def exit_code(rows: Sequence[GradientRow]) -> int:
     """Return 1 if a derivative is wrong or fails, 3 if none is known to be right, else 0."""
-    wrong = ("disagrees", "failed")
-    if any(row.judged.verdict in wrong or row.judged.is_own is False for row in rows):
+    if any(VERDICT[row.judged.verdict].fails or row.judged.is_own is False for row in rows):
         return DISAGREES
     return AGREES if any(row.judged.verdict == "converges" for row in rows) else NOT_RUN
 
