@@ -172,16 +172,21 @@ class _Examination:
         return StepFault("misread", "attitude", time, 0.0, (omega, turn, spins), zero, changes)
 
     def unless_random(self, found: StepEvidence) -> StepEvidence:
-        """The evidence from steps; its fault is that the engine is not deterministic if it is not.
+        """The evidence, with another fault if the engine turns out not to be deterministic.
 
-        It is not if the steps that show the fault, taken again from the same states, differ by a
-        quarter of the fault or more: the largest deviation from a mean is that of many steps.
+        It counts as not deterministic if the steps that show the fault, taken twice more from the
+        same states, differ by a quarter of the fault or more. As the fault is the largest deviation
+        among many steps, two of them rarely differ by all of it.
         """
         if (fault := found.fault) is None:
             return found
         single = self.sessions.engine.single_precision
         halved = self.at.timesteps if single else self._halved_further
-        one, again = (self._take(found.settled, self._repeats[0], halved) for _ in range(2))
+        try:
+            one, again = (self._take(found.settled, self._repeats[0], halved) for _ in range(2))
+        except EngineError:
+            # The fault was found before.
+            return found
         j = int(np.abs(one.steps.timesteps - fault.timestep).argmin())
         timestep = float(one.steps.timesteps[j])
         apart = (again.gains - one.gains)[j, :, QUANTITIES.index(fault.quantity)]

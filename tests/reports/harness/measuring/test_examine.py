@@ -324,7 +324,7 @@ def test_of_an_engine_that_is_not_deterministic_no_timestep_is_blamed(size: floa
     found = looked_at(SteppedEngine(planted.ByChance, size), "RK4", "tennis-racket")
     assert found.fault is not None
     assert found.fault.kind == "random"
-    assert in_words(found).startswith("the engine is not deterministic: of two steps of ")
+    assert in_words(found).startswith("the engine is not deterministic, or a step depends on more ")
 
 
 def test_a_velocity_off_the_pivot_by_what_timesteps_make_it_shows_a_constraint() -> None:
