@@ -141,9 +141,9 @@ def _shown(fault: StepFault) -> str:
         )
     if fault.kind == "random":
         return (
-            "the engine is not deterministic, or a step depends on more than the state: of two steps "
-            f"of {fault.timestep:.3g} s from one state, {when}, {RATES[fault.quantity]} differs by "
-            f"{math.hypot(*fault.got):.2g}"
+            "the engine is not deterministic, or a step depends on more than the state: of two "
+            f"steps of {fault.timestep:.3g} s from one state, {when}, {RATES[fault.quantity]} "
+            f"differs by {math.hypot(*fault.got):.2g}"
         )
     what = _gained(fault)
     if fault.kind == "limit":
