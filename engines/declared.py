@@ -1,7 +1,7 @@
 """What an adapter in Python states of its engine, checked before anything runs."""
 
 import re
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict
 from typing import Annotated
 
 from pydantic import Field, ValidationError
@@ -19,6 +19,7 @@ from .child.messages import (
     Words,
 )
 from .engine import Engine
+from .method import Method
 
 Effects = Annotated[frozenset[Effect], Field(strict=False)]
 
@@ -65,7 +66,7 @@ def misdeclared(engine: Engine) -> str:
         except Exception as error:
             return f"its attribute '{name}' cannot be read: {type(error).__name__}: {error}"
     methods = stated["methods"]
-    if not isinstance(methods, tuple | list) or not all(map(is_dataclass, methods)):
+    if not isinstance(methods, tuple | list) or not all(isinstance(m, Method) for m in methods):
         got = printable(repr(methods), QUOTED)
         return f"its attribute 'methods' must be a tuple of Method, got {got}"
     try:

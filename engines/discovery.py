@@ -66,9 +66,9 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
     """
     engines: dict[str, Engine] = {}
     absent: list[Missing] = []
-    own = [f"{adapters.__name__}.{info.name}" for info in pkgutil.iter_modules(adapters.__path__)]
+    names = [f"{adapters.__name__}.{info.name}" for info in pkgutil.iter_modules(adapters.__path__)]
     foreign = [point.value for point in entry_points(group=ENTRY_POINTS)]
-    for name, is_foreign in (*((name, False) for name in own), *((name, True) for name in foreign)):
+    for name in (*names, *foreign):
         try:
             module = importlib.import_module(name)
             there = [*_engines_in(module), *_discovered_by(module)]
@@ -79,7 +79,7 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
         for engine in there:
             if isinstance(engine, Missing):
                 absent.append(engine)
-            elif is_foreign and (reason := _misdeclared(engine)):
+            elif name in foreign and (reason := _misdeclared(engine)):
                 absent.append(Missing(name.rpartition(".")[2], "", reason))
             elif engine.name in engines:
                 modules = " and ".join(

@@ -61,8 +61,14 @@ def changing_options(root: Element) -> list[str]:
         "it MuJoCo holds what the file states"
         for element in root.all("compiler")
         for key, does in CHANGING.items()
-        if element.attributes.get(key, "false") not in ("false", "0", "-1")
+        if _is_set(element, key)
     ]
+
+
+def _is_set(element: Element, key: str) -> bool:
+    """Whether an option of the compiler, true or false or a number, is true or above 0."""
+    value = element.attributes.get(key, "false")
+    return value == "true" or (value != "false" and element.numbers(key, 1)[0] > 0)
 
 
 @dataclass(frozen=True)

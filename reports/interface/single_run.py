@@ -6,6 +6,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
 from spincheck.engines import Engine, engines, missing
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import LocalWorkers
@@ -27,7 +28,9 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
         If there is no such engine or method, or the timestep does not fit the window.
     """
     chosen = _engine_of(engine, method)
-    if not (isinstance(timestep, float | int) and 0 < timestep <= scenario.window.duration):
+    if not (
+        isinstance(timestep, int | float | np.floating) and 0 < timestep <= scenario.window.duration
+    ):
         longest = scenario.window.duration
         raise ValueError(f"'timestep' must be above 0 and at most {longest:g} s, got {timestep!r}.")
     choice = Choice((chosen,), (method,), (timestep,), timed=False)

@@ -216,17 +216,17 @@ def configuration_of(engine: str, name: str) -> Configuration:
     return next(one for one in configurations if one.name == name)
 
 
-#: Words for the links that the advice about a refused file concerns.
-_CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
-    "impossible": lambda one: not one.is_possible and not _is_massless(one),
-    "massless": lambda one: _is_massless(one),
-}
-
-
 def _is_massless(one: InspectedLink) -> bool:
     """Whether a link moves, has neither inertia nor shapes that give it one, and no other fault."""
     lacks = one.link.moves and not one.link.has_inertia and not one.link.by_shapes
     return lacks and all(problem.kind == "zero tensor" for problem in one.problems)
+
+
+#: Words for the links that the advice about a refused file concerns.
+_CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
+    "impossible": lambda one: not one.is_possible and not _is_massless(one),
+    "massless": _is_massless,
+}
 
 
 def _of_refusals(inspection: Inspection) -> Iterator[Finding]:

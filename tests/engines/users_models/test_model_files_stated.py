@@ -82,6 +82,20 @@ def test_what_an_mjcf_has_from_shapes_it_does_not_state(tmp_path):
     assert stated(tmp_path, text) is None
 
 
+@each_case(
+    ("options", "named"),
+    [
+        ('boundmass="0.5" settotalmass="-1"', ["boundmass"]),
+        ('boundmass="0.0" boundinertia="1e-9" balanceinertia="true"', ["boundinertia", "balance"]),
+        ('balanceinertia="false" settotalmass="2"', ["settotalmass"]),
+    ],
+)
+def test_options_by_which_bodies_differ_from_the_file_are_named(tmp_path, options, named):
+    notes = read(tmp_path, arm_of_mjcf("", f"<compiler {options}/>")).notes
+    assert len(notes) == len(named)
+    assert all(f"MuJoCo's option {one}" in note for one, note in zip(named, notes, strict=True))
+
+
 def test_replicated_bodies_are_there_as_often_as_the_file_says(tmp_path):
     inner = '<replicate count="11"><body name="k"><body name="l"/></body></replicate>'
     model = read(tmp_path, arm_of_mjcf(inner))
