@@ -12,11 +12,10 @@ from .kernel import kernel
 from .taylor_numbers import (
     FOR_DUALS,
     Number,
-    Table,
     add,
     add_product,
-    high,
     load,
+    load_double,
     multiply,
     negative,
     reciprocal,
@@ -57,9 +56,9 @@ def _store(table: Dual, row: int, column: int, x: Dual) -> None:
     store(table.tangent, row, column, x.tangent)
 
 
-@of_duals(high)
-def _high(table: Dual) -> Table:
-    return high(table.value)
+@of_duals(load_double)
+def _load_double(table: Dual, row: int, column: int) -> float:
+    return load_double(table.value, row, column)
 
 
 @of_duals(zero)

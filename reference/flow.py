@@ -11,7 +11,7 @@ import numpy as np
 
 from ..scenarios import FloatArray, Scenario, Trajectory
 from ..scenarios.mechanics import RECENT
-from .kernel import kernel
+from .kernel import allocating, kernel
 from .motion import Flight, along_axes, assembled
 from .problem import Problem
 from .rotational_problem import rotational_problem
@@ -86,7 +86,7 @@ def _advance(series: FloatArray, order: int, h: float) -> None:
         series[0, i] = total
 
 
-@kernel
+@allocating
 def flow_each(
     constants: FloatArray,
     inverses: FloatArray,

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import DOP853, RK45
 
 from ..scenarios import FloatArray
-from .kernel import called, kernel
+from .kernel import allocating, called, kernel
 from .other_equations import OtherEquations
 from .other_rates import (
     INERTIA,
@@ -135,7 +135,7 @@ def follow_each(
     (E, S, L, 7); for each given state nan from where a number leaves the range of doubles, or ‖ω‖
     exceeds `fastest`
     """
-    numbers = np.stack([all_numbers(one) for one in equations])
+    numbers = all_numbers(equations)
     timesteps = np.zeros(len(numbers)) if timesteps is None else timesteps
     ends = np.empty((*spans.shape, 7))
     _follow(numbers, states, spans, *integrator[1:], timesteps, fastest, ends)
@@ -155,7 +155,7 @@ def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> Fl
     (S, 6), along body axes: the angular velocity at which the attitude turns, rad/s, and ω', rad/s²
     """
     made = np.empty((len(states), 6))
-    _fill_rates(all_numbers(equations), states, kept, made)
+    _fill_rates(all_numbers([equations])[0], states, kept, made)
     return made
 
 
@@ -170,13 +170,15 @@ def _fill_rates(e: FloatArray, states: FloatArray, kept: FloatArray, made: Float
 
 
 @kernel
-def _add_product(q: FloatArray, h: float, v: Vector, to: FloatArray) -> None:
-    """Add h/2 times the product q (0, v) to the quaternion `to`; v is along body axes."""
+def _product(q: FloatArray, h: float, v: Vector) -> tuple[float, float, float, float]:
+    """Return h/2 times the product of the quaternion q and (0, v); v is along body axes."""
     w, x, y, z = q[0], q[1], q[2], q[3]
-    to[0] -= h / 2 * (x * v[0] + y * v[1] + z * v[2])
-    to[1] += h / 2 * (w * v[0] + y * v[2] - z * v[1])
-    to[2] += h / 2 * (w * v[1] + z * v[0] - x * v[2])
-    to[3] += h / 2 * (w * v[2] + x * v[1] - y * v[0])
+    return (
+        -h / 2 * (x * v[0] + y * v[1] + z * v[2]),
+        h / 2 * (w * v[0] + y * v[2] - z * v[1]),
+        h / 2 * (w * v[1] + z * v[0] - x * v[2]),
+        h / 2 * (w * v[2] + x * v[1] - y * v[0]),
+    )
 
 
 @kernel
@@ -186,15 +188,14 @@ def _size(e: FloatArray, y: FloatArray) -> float:
     return math.sqrt(dot(L, L))
 
 
-@called
+@kernel
 def _fill_stage(e: FloatArray, y: FloatArray, stage: FloatArray) -> None:
     """Write q', ω' and the angular velocity at the state y, (7,), into `stage`, (10,).
 
     They are a stage of a Runge-Kutta step; `e` has the equations' numbers, from `all_numbers`.
     """
     turned, accelerated = rates_of(e, y)
-    stage[:4] = 0.0
-    _add_product(y, 1.0, turned, stage)
+    stage[0], stage[1], stage[2], stage[3] = _product(y, 1.0, turned)
     put(accelerated, stage, 4)
     put(turned, stage, TURNS)
 
@@ -222,8 +223,9 @@ def _step(
             at[i] = y[i]
         for m in range(n):
             if a[n, m] != 0.0:
+                factor = h * a[n, m]
                 for i in range(7):
-                    at[i] += h * a[n, m] * k[m, i]
+                    at[i] += factor * k[m, i]
         _fill_stage(e, at, k[n])
     before = _size(e, y) if keeps_length else 0.0
     for i in range(4, 7):
@@ -231,29 +233,35 @@ def _step(
             y[i] += h * b[n] * k[n, i]
     if keeps_length:
         after = _size(e, y)
-        y[4:] *= before / after if after > 0.0 else 1.0
-    at[:4] = y[:4]
+        kept = before / after if after > 0.0 else 1.0
+        for i in range(4, 7):
+            y[i] *= kept
+    for i in range(4):
+        at[i] = y[i]
     if turned_by == END:
         turned = turning(e, rotation_of(y), vector(y, 4))
         put(turned, k[0], TURNS)
-        k[0, :4] = 0.0
-        _add_product(at, 1.0, turned, k[0])
+        k[0, 0], k[0, 1], k[0, 2], k[0, 3] = _product(at, 1.0, turned)
     if turned_by != STAGES:
         # One stage makes all of the turn.
         for n in range(1, b.size):
-            k[n] = k[0]
+            for i in range(STAGE):
+                k[n, i] = k[0, i]
     if is_exponential:
         turn = 0.0, 0.0, 0.0
         for n in range(b.size):
             turn = plus(turn, vector(k[n], TURNS), h * b[n])
         angle = math.sqrt(dot(turn, turn))
-        y[:4] *= math.cos(angle / 2)
-        _add_product(at, 2 * math.sin(angle / 2) / angle if angle > 0.0 else 1.0, turn, y)
+        added = _product(at, 2 * math.sin(angle / 2) / angle if angle > 0.0 else 1.0, turn)
+        for i in range(4):
+            y[i] = math.cos(angle / 2) * at[i] + added[i]
     else:
         for i in range(4):
             for n in range(b.size):
                 y[i] += h * b[n] * k[n, i]
-    y[:4] /= math.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
+    length = math.sqrt(y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
+    for i in range(4):
+        y[i] /= length
 
 
 @kernel
@@ -266,7 +274,7 @@ def _kept_speed(y: FloatArray, fastest: float) -> float:
     return speed
 
 
-@called
+@allocating
 def _follow(
     equations: FloatArray,
     states: FloatArray,

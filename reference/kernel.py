@@ -62,20 +62,32 @@ def _folder() -> Path | None:
 #: Where machine code is kept; None if nowhere can be written.
 FOLDER = _folder()
 
+#: Numba's option for code that counts no references to arrays, and that can make none.
+UNCOUNTED = {"_nrt": False}
 
-def kernel(function: Callable[P, T], *, is_inlined: bool = True) -> Callable[P, T]:
+
+def kernel(
+    function: Callable[P, T], *, is_inlined: bool = True, allocates: bool = False
+) -> Callable[P, T]:
     """Return a function that numba compiles at its first call, and inlines into compiled callers.
 
     Kernels pass arrays and pairs of floats to short operations: without inlining they take a
-    quarter more time. ``fastmath`` is never used, as it would cancel the error terms of pairs.
+    quarter more time, and if numba counts references to the arrays, three times as long.
+    ``fastmath`` is never used, as it would cancel the error terms of pairs.
+
+    Parameters
+    ----------
+    is_inlined : whether the function is inlined into compiled callers
+    allocates : whether it makes new arrays, so that references to arrays must be counted
     """
+    options: Any = {"forceinline": is_inlined, **({} if allocates else UNCOUNTED)}
     if FOLDER is None:
-        uncached: Callable[P, T] = njit(forceinline=is_inlined)(function)
+        uncached: Callable[P, T] = njit(**options)(function)
         return uncached
     elsewhere = config.CACHE_DIR
     config.CACHE_DIR = str(FOLDER)
     try:
-        compiled: Any = njit(forceinline=is_inlined, cache=True)(function)
+        compiled: Any = njit(**options, cache=True)(function)
     finally:
         config.CACHE_DIR = elsewhere
     _survive_the_disk(compiled._cache)
@@ -86,6 +98,8 @@ def kernel(function: Callable[P, T], *, is_inlined: bool = True) -> Callable[P, 
 #: As `kernel`, for a function that is long and called in many places: inlined, it would take long
 #: to compile.
 called = partial(kernel, is_inlined=False)
+#: As `kernel`, for a function that makes new arrays.
+allocating = partial(kernel, allocates=True)
 
 
 def _survive_the_disk(cache: Any) -> None:

@@ -6,6 +6,8 @@ as what the function computes. R is the rotation matrix of the attitude, body to
 """
 
 import math
+from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -64,17 +66,20 @@ _PLACES = np.cumsum([0, *(_COUNTS.get(name, 3) for name in OtherEquations._field
 ) = map(int, _PLACES)
 
 
-def all_numbers(equations: OtherEquations) -> FloatArray:
-    """Return all numbers of equations of motion in one array, attribute by attribute.
+def all_numbers(equations: Sequence[OtherEquations]) -> FloatArray:
+    """Return all numbers of E sets of equations of motion, attribute by attribute, (E, n).
 
     Matrices are written row by row. At the end is 1 if a torque depends on the attitude, besides
     that of gravity, and else 0.
     """
-    each = (np.asarray(one, float).tobytes() for one in (*equations, 0.0))
-    # Three times as fast as `concatenate`, for so many short arrays.
-    numbers = np.frombuffer(bytearray().join(each))
+    # Attributes that several sets share are converted once. With `join` it takes a tenth of the
+    # time of `concatenate`, for so many short arrays.
+    shared = {id(one): one for each in equations for one in each}
+    as_bytes = {key: np.asarray(one, float).tobytes() for key, one in shared.items()}
+    rows = ([*(as_bytes[id(one)] for one in each), bytes(8)] for each in equations)
+    numbers = np.frombuffer(bytearray().join(chain(*rows))).reshape(len(equations), -1)
     # Attitude torque, spring and gravity gradient follow on each other.
-    numbers[HAS_TORQUE_OF_ATTITUDE] = numbers[ATTITUDE_TORQUE:BODY_TURNS].any()
+    numbers[:, HAS_TORQUE_OF_ATTITUDE] = numbers[:, ATTITUDE_TORQUE:BODY_TURNS].any(axis=1)
     return numbers
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from ..scenarios import FloatArray
 from .doubledouble import quick_two_sum, two_sum
 from .dual_numbers import Dual
-from .kernel import kernel
+from .kernel import allocating, kernel
 from .taylor_coefficients import (
     COLUMNS,
     INVERSE_MOMENT,
@@ -35,6 +35,7 @@ from .taylor_march import (
     STEP,
     STUCK,
     evaluate,
+    row_size,
     start_from_state,
     step_size,
 )
@@ -111,19 +112,19 @@ def _tangent_step(tangent: FloatArray, order: int) -> float:
     radius = np.inf
     for first, last in ((OMEGA, OMEGA + 3), (Q, Q + 4)):
         for n in range(order - 1, order + 1):
-            size = np.abs(tangent[n, first:last]).sum()
+            size = row_size(tangent, n, first, last)
             if not math.isfinite(size):
                 return 0.0
             nearest = 0.0
             for k in range(order // LOWER):
-                lower = np.abs(tangent[k, first:last]).sum()
+                lower = row_size(tangent, k, first, last)
                 nearest = max(nearest, (lower / max(size, SMALLEST)) ** (1.0 / (n - k)))
             if nearest > 0.0 and size > 0.0:
                 radius = min(radius, nearest)
     return STEP * radius
 
 
-@kernel
+@allocating
 def march_with_tangent(
     constants: Dual,
     inverses: Dual,

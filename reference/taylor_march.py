@@ -11,7 +11,7 @@ import numpy as np
 
 from ..scenarios import FloatArray
 from .doubledouble import DoubleDouble, dd_add, dd_mul, quick_two_sum, two_sum
-from .kernel import kernel
+from .kernel import allocating, kernel
 from .taylor_coefficients import (
     DOWN_AND_RADIUS,
     OMEGA,
@@ -27,7 +27,7 @@ from .taylor_coefficients import (
     extend,
     see_world_vector,
 )
-from .taylor_numbers import Table, high, store, zero
+from .taylor_numbers import Table, load_double, store, zero
 
 Tables = tuple[FloatArray, FloatArray]
 
@@ -48,7 +48,7 @@ CLOCK_TICK = 2.0**-104
 
 
 @kernel
-def _size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
+def row_size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
     """Return the 1-norm of columns first to last − 1 of row n.
 
     Unlike a maximum it is NaN if any of the numbers is.
@@ -67,14 +67,14 @@ def step_size(coefficients: FloatArray, order: int) -> float:
     state is 1 for q, and for ω the larger of ‖ω‖ and its change in the step, so that a body may
     start from rest. It is infinite for a body that stays at rest, and 0 where numbers overflowed.
     """
-    speed = _size(coefficients, 0, OMEGA, OMEGA + 3)
-    gain = _size(coefficients, 1, OMEGA, OMEGA + 3)
+    speed = row_size(coefficients, 0, OMEGA, OMEGA + 3)
+    gain = row_size(coefficients, 1, OMEGA, OMEGA + 3)
     if speed == 0.0 and gain == 0.0:
         return np.inf
     radius = np.inf
     for n in range(order - 1, order + 1):
-        turn = _size(coefficients, n, Q, Q + 4)
-        last = _size(coefficients, n, OMEGA, OMEGA + 3)
+        turn = row_size(coefficients, n, Q, Q + 4)
+        last = row_size(coefficients, n, OMEGA, OMEGA + 3)
         if not math.isfinite(speed + gain + turn + last):
             return 0.0
         radius = min(radius, max(turn, SMALLEST) ** (-1.0 / n))
@@ -109,7 +109,10 @@ def evaluate(
 
 @kernel
 def _stop_if_stopped(series: Table) -> None:
-    if _size(high(series), 0, OMEGA, OMEGA + 3) < STOPPED:
+    speed = 0.0
+    for i in range(OMEGA, OMEGA + 3):
+        speed += abs(load_double(series, 0, i))
+    if speed < STOPPED:
         for i in range(OMEGA, OMEGA + 3):
             store(series, 0, i, zero(series))
 
@@ -171,7 +174,7 @@ def _lifts_off(series: FloatArray, constants: FloatArray, total: int, h: float) 
     return np.inf
 
 
-@kernel
+@allocating
 def march(
     constants: Tables,
     inverses: Tables,

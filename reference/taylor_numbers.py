@@ -13,7 +13,7 @@ from numba import types
 from numba.extending import overload
 
 from .doubledouble import DoubleDouble, dd_add, dd_mul, dd_neg, fma, two_prod, two_sum
-from .kernel import kernel
+from .kernel import UNCOUNTED, kernel
 
 Number = Any
 Table = Any
@@ -36,7 +36,7 @@ def for_pairs(in_double_double: Callable[..., Any]) -> Callable[[Any], Any]:
             chosen: Callable[..., Any] = in_double if double else in_double_double
             return chosen
 
-        overload(in_double, strict=False)(choose)
+        overload(in_double, strict=False, jit_options=UNCOUNTED)(choose)
         return in_double
 
     return decorate
@@ -59,10 +59,10 @@ def store(table: Table, row: int, column: int, x: Number) -> None:
     table[row, column] = x
 
 
-@for_pairs(lambda table: table[0])
-def high(table: Table) -> Table:
-    """Return the high parts of a table of numbers: the doubles nearest to them."""
-    return table
+@for_pairs(lambda table, row, column: table[0][row, column])
+def load_double(table: Table, row: int, column: int) -> float:
+    """Return the double that is nearest to one number of a table."""
+    return float(table[row, column])
 
 
 @for_pairs(lambda _: (0.0, 0.0))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..scenarios import FloatArray
 from .doubledouble import two_prod, two_sum
 from .elliptic import EVEN_SINE, ODD_COSINE, ODD_SINE
-from .kernel import kernel
+from .kernel import allocating, kernel
 
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
@@ -159,7 +159,7 @@ def _quotients(t: float, tables: ThetaTables, values: FloatArray) -> None:
         values[row, 1] = u * sine + v * cosine
 
 
-@kernel
+@allocating
 def evaluate(
     tables: ThetaTables, times: FloatArray, q_world_axes: FloatArray, omega_axes: FloatArray
 ) -> None:

@@ -17,15 +17,15 @@ from scipy.optimize import least_squares
 
 from ....scenarios import FloatArray
 from ...results.evidence import Explanation
-from .hypothesis import Change, Hypothesis
+from .hypothesis import SMALL, Change, Hypothesis
 
 #: The residual where a hypothesis leads to nan: no motion is that far off.
 NOT_FINITE = 1e30
 #: Singular values of a Jacobian below this, relative to the largest, count as zero.
 RANK = 1e-6
 EPS, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
-#: Evaluations of a fit at most, and the step of a scaled parameter for a finite difference.
-EVALUATIONS, SMALL = 20, 1e-5
+#: Evaluations of a fit at most.
+EVALUATIONS = 20
 #: Tolerances of scaled parameters at which a fit ends: to all data, and to a part of them.
 TOLERANCE, ROUGH = 1e-9, 1e-3
 #: If a fit to a part of the data leaves a larger mean square than this, it is not continued: with
@@ -147,7 +147,7 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """A trial whose residuals are taken as linear in its k parameters.
+    """A change whose residuals are taken as linear in its k parameters.
 
     Attributes
     ----------
@@ -188,23 +188,9 @@ class Trial:
             at = end
         return hypothesis
 
-    @property
-    def around_zero(self) -> list[Hypothesis]:
-        """The k + 1 hypotheses with all parameters zero, and with a small step in each of them."""
-        zero = np.zeros((1, len(self.scales)))
-        steps = SMALL * np.eye(len(self.scales))
-        return [self.hypothesis(x) for x in np.vstack([zero, steps])]
-
-    def around(self, before: Fit, last: int) -> list[Hypothesis]:
-        """The hypotheses with a fit's parameters, and with a small step in each of the last ones.
-
-        Parameters
-        ----------
-        before : a fit of some of the changes; the parameters of the others are zero
-        last : how many of the last parameters are changed, one at a time
-        """
-        x, steps = self._start(before), SMALL * np.eye(len(self.scales))
-        return [self.hypothesis(one) for one in (x, *(x + steps[len(x) - last :]))]
+    def at(self, before: Fit) -> Hypothesis:
+        """The hypothesis with the parameters of a fit of some of the changes, the others zero."""
+        return self.hypothesis(self._start(before))
 
     def _start(self, before: Fit) -> FloatArray:
         """The scaled parameters of a fit of some of the changes; zeros for the others, (k,)."""
@@ -285,12 +271,12 @@ class Trial:
         )
 
 
-def linear(trials: Sequence[Trial]) -> list[Linear]:
-    """The trials, which have the same data, linearised around parameters of zero."""
-    if not trials:
+def linear(data: Data, base: Hypothesis, changes: Sequence[Change]) -> list[Linear]:
+    """Each of some changes made alone in a hypothesis, linearised around parameters of zero."""
+    if not changes:
         return []
-    around = [trial.around_zero for trial in trials]
-    residuals = trials[0].data.residuals([one for each in around for one in each])
+    around = [change.around(base) for change in changes]
+    residuals = data.residuals([one for each in around for one in each])
     parts = np.split(residuals, np.cumsum([len(each) for each in around])[:-1])
     return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]
 

@@ -10,6 +10,9 @@ from ....reference.other_equations import OtherEquations, equations_of
 from ....scenarios import FloatArray, Scenario
 from ...results.evidence import Explanation
 
+#: The step of a scaled parameter for a finite difference.
+SMALL = 1e-5
+
 
 class Hypothesis(NamedTuple):
     """Equations that may have been integrated, and how the states of that motion are read.
@@ -78,6 +81,11 @@ class Change:
     scales: FloatArray
     shown: Callable[[FloatArray], Sequence[float] | FloatArray] = np.asarray
     is_possible: Callable[[Hypothesis, FloatArray], bool] = lambda _, __: True
+
+    def around(self, hypothesis: Hypothesis) -> list[Hypothesis]:
+        """The k + 1 hypotheses with parameters of zero, and with a small step in each of them."""
+        steps = SMALL * np.diag(self.scales)
+        return [self.apply(hypothesis, n) for n in (np.zeros(len(steps)), *steps)]
 
     def explanation(self, parameters: FloatArray) -> Explanation:
         """The change with fitted parameters, as it is stored and put in words."""

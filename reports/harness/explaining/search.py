@@ -67,11 +67,6 @@ class Search:
         chi2 = self.data.chi2_decrease(residuals, 0 * residuals)
         return chi2 > float(chdtri(degrees, level))
 
-    @cached_property
-    def trials(self) -> list[Trial]:
-        """Each change by itself, before it is fitted."""
-        return [Trial(self.data, (change,)) for change in self.changes]
-
     def one_or_two(self) -> Fit | None:
         """The change, or pair of changes, that explains the data.
 
@@ -96,13 +91,14 @@ class Search:
         if not self.is_called_for:
             return []
         enough = PROMISING**2 * self.unchanged.mean_square
-        pairs = zip(self.trials, self.linear, strict=True)
-        return [trial.fit() for trial, one in pairs if one.mean_square <= enough]
+        pairs = zip(self.changes, self.linear, strict=True)
+        promising = [change for change, one in pairs if one.mean_square <= enough]
+        return [Trial(self.data, (change,)).fit() for change in promising]
 
     @cached_property
     def linear(self) -> list[Linear]:
         """Each change by itself, linearised."""
-        return linear(self.trials)
+        return linear(self.data, self.data.base, self.changes)
 
     def _pairs(self) -> list[Fit]:
         """Fits of pairs of changes both of which are needed.

@@ -12,7 +12,7 @@ import numpy as np
 
 from .....scenarios import FloatArray
 from .....scenarios.rotation import norms
-from ...explaining.fit import RANK, SMALL, Data, Fit, Trial, mean_square
+from ...explaining.fit import RANK, Data, Fit, Trial, linear, mean_square
 from ...explaining.hypothesis import Change
 from ...explaining.search import PROMISING, Search
 
@@ -181,23 +181,17 @@ def residuals_if_linear(
     before : the earlier fit
     kept : the changes of that fit to which each of the others is added
     """
-    trials = [Trial(data, (*kept, other)) for other in others]
-    around = [
-        trial.around(before, len(one.scales)) for trial, one in zip(trials, others, strict=True)
-    ]
-    residuals = data.residuals([one for each in around for one in each])
-    parts = np.split(residuals, np.cumsum([len(each) for each in around])[:-1])
+    each = linear(data, Trial(data, kept).at(before), others)
     columns = [before.jacobian[:, before.columns(one)] for one in kept]
     jacobian = np.hstack([np.empty((len(before.residuals), 0)), *columns])
     basis, sizes, _ = np.linalg.svd(jacobian, full_matrices=False)
     basis = basis[:, sizes > RANK * sizes.max(initial=0.0)]
     left = []
-    for part in parts:
-        columns_of_other = (part[1:] - part[0]).T / SMALL
-        rest = part[0] - basis @ (basis.T @ part[0])
-        beside = columns_of_other - basis @ (basis.T @ columns_of_other)
+    for one in each:
+        rest = one.residuals - basis @ (basis.T @ one.residuals)
+        beside = one.jacobian - basis @ (basis.T @ one.jacobian)
         # What the kept changes explain as well has no direction of its own.
-        beside *= norms(beside.T) > RANK * norms(columns_of_other.T)
+        beside *= norms(beside.T) > RANK * norms(one.jacobian.T)
         left.append(rest - beside @ np.linalg.lstsq(beside, rest, rcond=RANK)[0])
     return np.array(left)
 

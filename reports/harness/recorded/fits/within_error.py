@@ -157,7 +157,7 @@ def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> li
     most = _fitted_size(data, errors, data.deviations([data.base]))
     units = np.maximum(most, FITS)
     of_changes = []
-    for one in linear([Trial(data, (change,)) for change in changes]):
+    for one in linear(data, data.base, changes):
         columns = one.jacobian.T.reshape(-1, *data.scale.shape) * data.scale
         of_changes.append(_fitted_size(data, errors, one.residuals, columns))
     least = min(of_changes, key=lambda size: float(np.sum((size / units) ** 2)))
