@@ -62,8 +62,9 @@ def _folder() -> Path | None:
 #: Where machine code is kept; None if nowhere can be written.
 FOLDER = _folder()
 
-#: Numba's option for code that counts no references to arrays, and that can make none.
-UNCOUNTED = {"_nrt": False}
+#: Numba's options for kernels: to divide by zero as IEEE 754 says, and to count no references to
+#: arrays, so that no kernel can make one.
+OPTIONS = {"error_model": "numpy", "_nrt": False}
 
 
 def kernel(
@@ -80,7 +81,7 @@ def kernel(
     is_inlined : whether the function is inlined into compiled callers
     allocates : whether it makes new arrays, so that references to arrays must be counted
     """
-    options: Any = {"forceinline": is_inlined, **({} if allocates else UNCOUNTED)}
+    options: Any = OPTIONS | {"forceinline": is_inlined, "_nrt": allocates}
     if FOLDER is None:
         uncached: Callable[P, T] = njit(**options)(function)
         return uncached

@@ -13,7 +13,7 @@ from numba import types
 from numba.extending import overload
 
 from .doubledouble import DoubleDouble, dd_add, dd_mul, dd_neg, fma, two_prod, two_sum
-from .kernel import UNCOUNTED, kernel
+from .kernel import OPTIONS, kernel
 
 Number = Any
 Table = Any
@@ -36,7 +36,7 @@ def for_pairs(in_double_double: Callable[..., Any]) -> Callable[[Any], Any]:
             chosen: Callable[..., Any] = in_double if double else in_double_double
             return chosen
 
-        overload(in_double, strict=False, jit_options=UNCOUNTED)(choose)
+        overload(in_double, strict=False, jit_options=OPTIONS)(choose)
         return in_double
 
     return decorate
