@@ -41,7 +41,7 @@ def _take_steps(y, steps, h, mass, com, inertia, inverse, gravity):
 class HeldByImpulses(Stepped):
     """Honest, of first order."""
 
-    def take(self, steps, push=0.0):
+    def take(self, steps, *push):
         body = self.scenario.body
         inertia = np.array(body.inertia_com)
         rows = body.mass, np.array(body.com), inertia, np.linalg.inv(inertia)
@@ -63,7 +63,7 @@ class ReadsOmegaOffWhereHeld(HeldByImpulses):
 class HeldAtRandom(HeldByImpulses):
     """Each step ends with a random torque, relative to ω²: what a poor solver leaves."""
 
-    def take(self, steps, push=0.0):
+    def take(self, steps, *push):
         chance = np.random.default_rng([*self.y.tobytes()])
         for _ in range(steps):
             super().take(1)

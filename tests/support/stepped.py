@@ -22,6 +22,8 @@ METHODS = (
 # Rows of the table of constants.
 TENSOR, INVERSE, LEVER, GRAVITY, FALL, PUSH_BODY, PUSH_WORLD, DRAG = 0, 3, 6, 7, 8, 9, 10, 11
 
+NO_TORQUE = np.zeros(3)
+
 
 @njit(cache=True)
 def _rotation(y):
@@ -154,7 +156,7 @@ class Stepped(QuietSession):
         y = self.y.copy()
         if self.scenario.constraint.is_pivot:
             R_world_body, com = _rotation(y), np.array(self.scenario.body.com)
-            y[7:10], y[10:13] = R_world_body @ com, R_world_body @ np.cross(y[4:7], com)
+            y[7:10], y[10:13] = R_world_body @ com, R_world_body @ _cross(y[4:7], com)
         state = State(y[:4], y[4:7], y[7:10], y[10:13])
         return self.reading(state) if self.taken else state
 
@@ -169,12 +171,11 @@ class Stepped(QuietSession):
             return
         for _ in range(steps):
             push = self.torque()
-            self.take(1, 0.0 if push is None else push)
+            self.take(1, NO_TORQUE if push is None else push)
             self.after_step()
 
-    def take(self, steps: int, push: Vector | float = 0.0) -> None:
+    def take(self, steps: int, push: Vector = NO_TORQUE) -> None:
         """Take honest steps, with a torque in body axes besides, N m."""
-        push = np.ascontiguousarray(push, float) if np.ndim(push) else np.full(3, float(push))
         _take_steps(self.y, steps, self.timestep, self.order, self.constants, push)
         self.taken += steps
 
@@ -182,7 +183,7 @@ class Stepped(QuietSession):
         """Turn the body by a little, rad."""
         w, v, half = self.y[0], self.y[1:4].copy(), turn_body / 2
         self.y[0] -= v @ half
-        self.y[1:4] += w * half + np.cross(v, half)
+        self.y[1:4] += w * half + _cross(v, half)
         self.y[:4] /= np.linalg.norm(self.y[:4])
 
     # What a subclass may plant.

@@ -379,10 +379,10 @@ class AnotherLever(AnotherMoment):
 class AnotherClock(Stepped):
     """A step is longer than a timestep, by its size."""
 
-    def take(self, steps, push=0.0):
+    def take(self, steps, *push):
         honest = self.timestep
         self.timestep *= 1 + self.size
-        super().take(steps, push)
+        super().take(steps, *push)
         self.timestep = honest
 
 
@@ -507,6 +507,6 @@ class ForgetsWithTheTimestep(Remembers):
 class ByChance(Stepped):
     """Each step changes ω by chance, each time otherwise."""
 
-    def take(self, steps, push=0.0):
-        super().take(steps, push)
+    def take(self, steps, *push):
+        super().take(steps, *push)
         self.y[4:7] += self.size * CHANCE.normal(size=3)
