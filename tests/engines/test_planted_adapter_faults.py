@@ -107,6 +107,28 @@ class GivesItsOwnArrays(ToySession):
         return State(*np.split(self.y, (4, 7, 10)))
 
 
+class ReadsIntoOneBuffer(ToySession):
+    """Reads out views of an array that each session fills again when it is read."""
+
+    def __init__(self, scenario: Scenario, timestep: float) -> None:
+        super().__init__(scenario, timestep)
+        self.buffer = np.zeros(13)
+
+    def read_state(self) -> State:
+        self.buffer[:] = self.y
+        return State(*np.split(self.buffer, (4, 7, 10)))
+
+
+class ReadsIntoEverybodysBuffer(ReadsIntoOneBuffer):
+    """The same with one array for all sessions."""
+
+    shared = np.zeros(13)
+
+    def __init__(self, scenario: Scenario, timestep: float) -> None:
+        super().__init__(scenario, timestep)
+        self.buffer = self.shared
+
+
 class RecordsAStepLate(ToySession):
     def record(self, strides, keep) -> None:
         for steps in strides:
@@ -167,6 +189,8 @@ FAULTS: list[tuple[type[Session], Check]] = [
     (DisturbedByReading, test_adapter.test_reading_does_not_disturb),
     (SharesItsState, test_adapter.test_shares_no_memory_between_sessions),
     (GivesItsOwnArrays, test_adapter.test_shares_no_memory_between_sessions),
+    (ReadsIntoOneBuffer, test_adapter.test_shares_no_memory_between_sessions),
+    (ReadsIntoEverybodysBuffer, test_adapter.test_shares_no_memory_between_sessions),
     (RecordsAStepLate, test_adapter.test_records_what_it_reads),
     (RestartForgetsOmega, test_adapter.test_restarts_as_it_opens),
     (RestartKeepsVelocity, test_adapter.test_restarts_as_it_opens),
