@@ -216,10 +216,7 @@ def _child(command: str, time_limit: float | None) -> Engine:
     from ...engines.child import ANSWER_LIMIT, ChildEngine, child_engine
 
     before = f"'--engine' {CHILD}{command}: "
-    with (
-        as_complaint(ValueError, before=before),
-        as_complaint(EngineError, before=before, exit_code=NOT_RUN),
-    ):
+    try:
         words = words_of(command)
         for known in engines().values():
             if isinstance(known, ChildEngine) and known.command == tuple(words):
@@ -227,6 +224,12 @@ def _child(command: str, time_limit: float | None) -> Engine:
         engine = child_engine(words, min(time_limit or ANSWER_LIMIT, ANSWER_LIMIT))
         add(engine)
         return engine
+    except ValueError as error:
+        raise Complaint(f"{before}{error}") from None
+    except EngineError as error:
+        # What a program states of itself is input, as what an adapter in Python states is.
+        code = BAD_INPUT if error.cause == "protocol" else NOT_RUN
+        raise Complaint(f"{before}{error}", code) from None
 
 
 def _of_module(name: str) -> Engine:

@@ -107,6 +107,8 @@ SPOILT = {
     ("refuses", WHEN): lambda reply: refuse(reply, "the solver\nwill not\x1b[2J"),
     ("refuses hello", "hello"): lambda reply: refuse(reply, "the licence has run out"),
     ("true for one", "hello"): lambda reply: reply.update(id=True),
+    ("speaks protocol 2", "hello"): lambda reply: reply.update(protocol=2),
+    ("has no methods", "hello"): lambda reply: reply.update(methods=[]),
     ("never says hello", "hello"): lambda reply: time.sleep(600),
     ("changes its name", "hello"): lambda reply: reply.update(version=str(os.getpid())),
 }

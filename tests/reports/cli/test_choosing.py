@@ -106,6 +106,19 @@ def test_a_child_that_answers_hello_with_an_error_or_another_id_is_quoted() -> N
 
 
 @pytest.mark.processes
+@each_case(
+    ("fault", "words"),
+    [("speaks protocol 2", "'protocol' must be 1, got 2"), ("has no methods", "at 'methods'")],
+)
+def test_what_a_child_states_wrongly_is_bad_input_as_of_an_adapter_in_python(
+    fault: str, words: str
+) -> None:
+    complaint = refused(child(fault))
+    assert words in str(complaint)
+    assert complaint.exit_code == BAD_INPUT
+
+
+@pytest.mark.processes
 def test_the_time_limit_is_that_of_the_first_call_too() -> None:
     began = time.monotonic()
     complaint = refused(child("never says hello"), time_limit=0.5)
