@@ -2,7 +2,7 @@
 
 import tomllib
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any, TypeGuard, final
 import pytest
 from spincheck.suite import SCENES, test_adapter, test_physics
 
-from ....engines import Engine, Method
+from ....engines import Engine, Method, engines, missing
 from ....scenarios import Scenario, did_you_mean, load
 from ...harness.executors import InProcess
 from ...harness.prepared import Prepared, prepare
@@ -174,16 +174,21 @@ def _engines(name: str) -> tuple[Engine, ...]:
 TESTS = [name for name in [*vars(test_adapter), *vars(test_physics)] if name.startswith("test_")]
 
 
-def known_failures(path: Path) -> dict[str, str]:
+def known_failures(path: Path, tested: Sequence[Subject]) -> dict[str, str]:
     """Return the reasons of known failures, by the ids of tests, from a file.
 
     The file is TOML, a line ``"test_heavy_top[my-engine-RK4]" = "reason"`` for each test. A line
     without the brackets holds for every engine and method.
 
+    Parameters
+    ----------
+    tested : all methods of the engines that are tested, and recorded motions
+
     Raises
     ------
     pytest.UsageError
-        If the file cannot be read, names a test that does not exist, or gives no reason.
+        If the file cannot be read, names a test that does not exist or no method of an engine that
+        is tested, or gives no reason.
     """
     where = f"'--spincheck-xfails' {path}"
     try:
@@ -193,15 +198,30 @@ def known_failures(path: Path) -> dict[str, str]:
     except ValueError as error:
         raise pytest.UsageError(f"{where}: must be TOML in UTF-8: {error}") from None
     for name, reason in table.items():
-        test = name.partition("[")[0]
+        test, _, subject = name.partition("[")
         if test not in TESTS:
             hint = did_you_mean(test, TESTS)
             raise pytest.UsageError(f"{where}: '{test}' is no test of the suite{hint}")
+        engine = _engine_of(subject)
+        of_engine = (one for one in tested if isinstance(one, EngineSubject))
+        ids = [f"{test}[{one.name}]" for one in of_engine if one.engine.name == engine]
+        if ids and name not in ids:
+            hint = did_you_mean(name, ids)
+            raise pytest.UsageError(f"{where}: '{name}' names no method of {engine}{hint}")
         if not (isinstance(reason, str) and reason.strip()):
             raise pytest.UsageError(
                 f"{where}: '{name}' must have its reason as a text, got {reason!r}"
             )
     return table
+
+
+def _engine_of(subject: str) -> str:
+    """Return the engine whose method a subject's name may be; empty if no engine here is.
+
+    Of two engines, one named as the other begins, it is the one with the longer name.
+    """
+    known = [*engines(), *(one.name for one in missing())]
+    return max((one for one in known if subject.startswith(f"{one}-")), key=len, default="")
 
 
 #: Name of the argument by which tests of the suite are parametrised.
@@ -225,7 +245,7 @@ class SuiteHooks:
 
     def __init__(self, engines: list[str], xfails: str | None) -> None:
         self._subjects = list(subjects(engines))
-        self._known = known_failures(Path(xfails)) if xfails else {}
+        self._known = known_failures(Path(xfails), self._subjects) if xfails else {}
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
         """Repeat each test of the suite for each subject."""

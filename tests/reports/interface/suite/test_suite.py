@@ -109,6 +109,7 @@ def test_a_known_failure_is_none_and_one_that_passes_again_is_one(suite, pyteste
     again.stdout.fnmatch_lines(["*XPASS(strict)*was fixed*"])
 
 
+RK5_WORDS = "'test_heavy_top[mujoco-RK5]' names no method of mujoco; did you mean*mujoco-RK4]'?"
 REFUSED = {
     "no engine": ((), "'--spincheck-engine' must name what is tested"),
     "an unknown engine": (named("mujocco"), "must be one of *did you mean*mujoco"),
@@ -118,6 +119,8 @@ REFUSED = {
     "no file": ((*named("mujoco"), "--spincheck-xfails", "none.toml"), "cannot be read: No such"),
     "no TOML": ((*named("mujoco"), "--spincheck-xfails", "faulty.py"), "must be TOML in UTF-8"),
     "no test": ((*named("mujoco"), "--spincheck-xfails", "typo.toml"), "mean*test_heavy_top"),
+    "no method": ((*named("mujoco"), "--spincheck-xfails", "rk5.toml"), RK5_WORDS),
+    "no end": ((*named("mujoco"), "--spincheck-xfails", "open.toml"), "no method*mujoco-RK4]"),
     "no reason": ((*named("mujoco"), "--spincheck-xfails", "mute.toml"), "must have its reason"),
 }
 
@@ -125,11 +128,24 @@ REFUSED = {
 @pytest.mark.parametrize("case", REFUSED)
 def test_what_cannot_be_used_is_refused_with_one_message(case: str, suite, pytester) -> None:
     pytester.makefile(".toml", typo='test_heavy_tops = "x"', mute='test_heavy_top = ""')
+    pytester.makefile(
+        ".toml",
+        rk5='"test_heavy_top[mujoco-RK5]" = "x"',
+        open='"test_heavy_top[mujoco-RK4" = "x"',
+    )
     arguments, words = REFUSED[case]
     result = suite(*arguments)
     assert result.ret == pytest.ExitCode.USAGE_ERROR
     text = " ".join((result.stdout.str() + result.stderr.str()).split())
     assert all(part in text for part in words.split("*"))
+
+
+def test_known_failures_of_engines_that_are_not_tested_are_accepted(suite, pytester) -> None:
+    """One file may be that of several engines, whose names may begin alike."""
+    lines = [f'"{DAMPING}[{engine}-RK9]" = "x"' for engine in ("mujoco-warp", "mjx", "mine")]
+    file = str(pytester.makefile(".toml", known="\n".join(lines)))
+    result = suite(*named("mujoco"), "-k", f"{DAMPING}[mujoco-RK4]", "--spincheck-xfails", file)
+    assert result.ret == 0
 
 
 @pytest.mark.processes
