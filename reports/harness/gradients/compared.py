@@ -1,7 +1,7 @@
 """Judges the derivatives of a method on a scene: verdict, cost, and gradients over a window."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from textwrap import shorten
@@ -10,11 +10,13 @@ import numpy as np
 
 from ....engines import Engine, EngineError, Method, Session, UnsupportedError
 from ....engines.checks.equations import Equations
+from ....engines.checks.read_back import stacked
+from ....engines.derivative import Derivative
 from ....reference import IntegrationError
 from ....scenarios import FloatArray
 from ..measuring.examine import SETTLING, gives_way
 from ..measuring.places import FINER, Places
-from ..measuring.steps import FEW, Sessions, steps_from
+from ..measuring.steps import FEW, Sessions, state_differences, steps_from
 from .candidates import Exact
 from .jacobians import (
     CHART,
@@ -39,6 +41,8 @@ from .window import (
 
 #: The name of the derivative that spincheck itself computes, for engines without any.
 OURS = "central differences by spincheck"
+#: The name in place of those of an engine's derivatives, where it fails to give any.
+THEIRS = "derivatives by the engine"
 #: Number of steps of a derivative through many steps, and the numbers of steps over windows.
 MANY = 8
 TAPED = (MANY, 64)
@@ -120,7 +124,9 @@ class MethodStudy:
     counts: list[int]
 
     def names(self) -> list[str]:
-        """Return the names of all derivatives: those of the engine, and `OURS` last."""
+        """Return the names of all derivatives: those of the engine, or `THEIRS`; `OURS` last."""
+        if self._none_given:
+            return [THEIRS, OURS]
         own = self.sessions.first.derivatives()
         return [*own, *(name + THROUGH for name, one in own.items() if one.through), OURS]
 
@@ -134,11 +140,27 @@ class MethodStudy:
         began, name = time.perf_counter(), called.removesuffix(THROUGH)
         if called == OURS:
             row = self._own_row(self._settled if self._gives_way else self._single)
+        elif self._none_given:
+            row = self._row(called, self._none_given)
         elif self._gives_way:
             row = self._row(called, Judged("unresolved", UNSETTLED))
         else:
             row = self._engines_row(self._single if name == called else self._many, name, called)
         return replace(row, seconds=time.perf_counter() - began)
+
+    @cached_property
+    def _none_given(self) -> Judged | None:
+        """The verdict on an engine that fails to give its derivatives; None if it gives them."""
+        try:
+            own: Mapping[str, object] = self.sessions.first.derivatives()
+            for name, one in own.items():
+                if not isinstance(one, Derivative):
+                    got = shorten(repr(one), SAID // 2, placeholder=" …")
+                    return Judged("failed", f"'{name}' must be a Derivative, got {got}")
+        # An adapter may raise anything.
+        except Exception as error:
+            return _raised(error)
+        return None
 
     @cached_property
     def _gives_way(self) -> bool:
@@ -203,13 +225,8 @@ class MethodStudy:
             one = self._judged(target, found, is_step, name)
             row = replace(self._row(called, one), costs=self._costs(name, steps))
             return self._with_window(row, name, is_taped=steps > 1)
-        except UnsupportedError as error:
-            return self._row(called, Judged("unsupported", str(error)))
-        except EngineError as error:
-            return self._row(called, Judged("failed", str(error)))
         except Exception as error:
-            said = shorten(f"{type(error).__name__}: {error}", SAID, placeholder=" …")
-            return self._row(called, Judged("failed", said.removesuffix(": ")))
+            return self._row(called, _raised(error))
 
     def _judged(self, target: _Target, found: FloatArray, is_step: bool, name: str) -> Judged:
         """Return the verdict on the Jacobians that the engine computes.
@@ -256,8 +273,8 @@ class MethodStudy:
     def _found(self, name: str, target: _Target) -> tuple[FloatArray | str, bool]:
         """Return the Jacobians by a derivative, and whether it differentiates steps, not dω/dt.
 
-        The Jacobians have the shape (J, K, 6, 6). If the engine's have another, a sentence that
-        says so is returned in their place.
+        The Jacobians have the shape (J, K, 6, 6). If the engine's have another, or if computing
+        them changes the session's state, a sentence that says so is returned in their place.
 
         Parameters
         ----------
@@ -265,10 +282,15 @@ class MethodStudy:
         target : the Jacobians to compare with, whose states, timesteps and steps are used
         """
         states, jacobians, is_step = self.at.states, np.empty_like(target.exact.jacobians), True
+        reach = Equations(self.sessions.scenario).reach
         for j, k in np.ndindex(jacobians.shape[:2]):
             h, state = float(target.timesteps[j]), states.rows(k)
             with self.sessions.at(state, h) as session:
+                before = stacked([session.read_state()])
                 found = np.asarray(_by(session, name, target.exact.steps)(), dtype=float)
+                after = stacked([session.read_state()])
+            if np.abs(state_differences(after, before, reach)).max() > self.engine.slack:
+                return "computing it changes the state of the session", is_step
             if found.shape not in ((CHART, CHART), (3, CHART)):
                 numbers = ": four numbers of a quaternion for the three of a turn?"
                 words = f"its shape is {found.shape}, not {(CHART, CHART)}"
@@ -347,6 +369,15 @@ class MethodStudy:
                     calls += 1
                 ratios.append((time.process_time() - began) / calls / steps * TIMED / plain)
         return tuple(ratios)
+
+
+def _raised(error: Exception) -> Judged:
+    """Return the verdict on a derivative that an engine's code raises an error in place of."""
+    if isinstance(error, EngineError):
+        is_unsupported = isinstance(error, UnsupportedError)
+        return Judged("unsupported" if is_unsupported else "failed", str(error))
+    said = shorten(f"{type(error).__name__}: {error}", SAID, placeholder=" …")
+    return Judged("failed", said.removesuffix(": "))
 
 
 def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:

@@ -27,7 +27,7 @@ from spincheck.engine import Derivative, EngineError, FloatArray, State, Unsuppo
 from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco.session import MuJoCoSession
 from spincheck.reports.harness.executors import LocalWorkers
-from spincheck.reports.harness.gradients.compared import OURS
+from spincheck.reports.harness.gradients.compared import OURS, THEIRS
 from spincheck.reports.harness.gradients.study import gradient_by, gradients_of, offered_by
 from spincheck.reports.harness.gradients.window import Gradient, useless_from
 from spincheck.scenarios import Scenario
@@ -296,10 +296,10 @@ def test_newtons_tape_is_judged_by_its_solver(method: str, verdict: str, words: 
     assert row.judged.is_own in ((True,) if verdict == "converges" else (False, None))
 
 
-def raising(error: Exception) -> Callable[[], FloatArray]:
-    """A derivative that cannot be had."""
+def raising(error: Exception) -> Callable[..., FloatArray]:
+    """A derivative that cannot be had, or all of a session."""
 
-    def compute() -> FloatArray:
+    def compute(*_: MuJoCoSession) -> FloatArray:
         raise error
 
     return compute
@@ -352,6 +352,49 @@ def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
     }
     assert not wrong
     assert (ours.derivative, ours.judged.verdict) == (OURS, "converges")
+
+
+@each_case(
+    ("given", "verdict", "words"),
+    [
+        (raising(KeyError("qpos")), "failed", "KeyError: 'qpos'"),
+        (raising(UnsupportedError("none of RK4")), "unsupported", "none of RK4"),
+        (lambda _: {"mine": np.eye(6)}, "failed", "'mine' must be a Derivative, got array("),
+        (lambda _: None, "failed", "AttributeError: 'NoneType' object has no attribute 'items'"),
+    ],
+)
+def test_an_engine_that_fails_to_give_derivatives_is_not_spinchecks_failure(
+    given: Callable[[MuJoCoSession], object], verdict: str, words: str
+) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(MuJoCoSession, "derivatives", given)
+        theirs, ours = gradients_of(library_scene("fast-top"), MUJOCO, "Euler", window=ONE_STEP)
+    assert (theirs.derivative, theirs.judged.verdict) == (THEIRS, verdict)
+    assert theirs.judged.reason.startswith(words)
+    assert (ours.derivative, ours.judged.verdict) == (OURS, "converges")
+
+
+def test_a_derivative_that_changes_the_state_of_the_session_is_wrong(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def planted(session: MuJoCoSession) -> dict[str, Derivative]:
+        one = HONEST(session)["mjd_transitionFD, centred"]
+
+        def through(steps: int) -> FloatArray:
+            jacobian = np.eye(6)
+            for _ in range(steps):
+                jacobian = one.compute() @ jacobian
+                session.advance(1)
+            return jacobian
+
+        return {"stepping": replace(one, compute=lambda: through(1), through=through)}
+
+    monkeypatch.setattr(MuJoCoSession, "derivatives", planted)
+    *rows, ours = gradients_of(library_scene("fast-top"), MUJOCO, "Euler", window=ONE_STEP)
+    assert [row.derivative for row in rows] == ["stepping", "stepping, through 8 steps"]
+    words = "computing it changes the state of the session"
+    assert {(row.judged.verdict, row.judged.reason) for row in rows} == {("disagrees", words)}
+    assert ours.judged.verdict == "converges"
 
 
 def test_a_derivative_that_hangs_or_crashes_is_a_row_and_the_others_are_judged() -> None:
