@@ -202,6 +202,7 @@ class _Study:
         begun, odd = self.begun, neighbours_of(self.scenario)
         alike = self._batch(())
         alone = self._alone(alike.ends)
+        self._check_finite(alike, alone)
         apart = partial(_difference, states=self.session.states, ulp=self.engine.ulp)
         # Each place is compared with the first.
         first = replace(alike, snapshots=[[row[0]] * len(row) for row in alike.snapshots])
@@ -234,6 +235,14 @@ class _Study:
             beside=seconds,
             beside_by=beside_by,
         )
+
+    def _check_finite(self, alike: _Motion, alone: _Motion) -> None:
+        """Raise `EngineError` if the first place is no longer finite where the world alone is."""
+        for steps, *both in zip(alike.ends, alike.snapshots, alone.snapshots, strict=True):
+            there, beside = (np.hstack(self.session.states(row[:1]).columns) for row in both)
+            if np.isfinite(beside).all() and not np.isfinite(there).all():
+                words = f"its batch returned numbers that are not finite, after step {steps}"
+                raise EngineError(words, "not-finite")
 
     @property
     def _places(self) -> list[int]:

@@ -234,6 +234,42 @@ def test_a_world_that_is_no_longer_finite_is_infinitely_far() -> None:
     assert not row.has_neighbours
 
 
+@each_case("since", [1, 8])
+def test_a_batch_that_is_not_finite_where_a_world_alone_is_depends_on_nothing(since: int) -> None:
+    class NotFinite(TurningBatch):
+        taken = 0
+
+        def advance(self, steps: int) -> None:
+            super().advance(steps)
+            self.taken += steps
+            for world in self.worlds:
+                world.numbers[0] = world.numbers[0] if self.taken < since else np.nan
+
+    engine = TurningEngine()
+    engine.open_batch = lambda scenarios, *_: NotFinite([RATE] * len(scenarios), engine.fault)
+    row = batch_of(SCENE, engine, ROW)
+    assert (row.outcome, row.because) == ("failed", ())
+    assert row.reason == f"its batch returned numbers that are not finite, after step {since}"
+
+
+def test_worlds_that_blow_up_alone_as_in_their_batch_have_the_same_bits() -> None:
+    class Lost(Turning):
+        def snapshot(self) -> FloatArray:
+            return super().snapshot() * np.nan
+
+    engine = TurningEngine()
+    engine.open = lambda *_: Lost(RATE)
+    engine.open_batch = lambda scenarios, *_: batch(len(scenarios))
+
+    def batch(count: int) -> TurningBatch:
+        made = TurningBatch([RATE] * count, engine.fault)
+        made.worlds = [Lost(RATE) for _ in range(count)]
+        return made
+
+    row = batch_of(SCENE, engine, ROW)
+    assert (row.outcome, row.because) == ("ok", ())
+
+
 def test_a_neighbour_that_stops_all_worlds_is_named() -> None:
     class Stops(TurningBatch):
         def advance(self, steps: int) -> None:
