@@ -67,11 +67,10 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
     engines: dict[str, Engine] = {}
     absent: list[Missing] = []
     names = [f"{adapters.__name__}.{info.name}" for info in pkgutil.iter_modules(adapters.__path__)]
-    foreign = [point.value for point in entry_points(group=ENTRY_POINTS)]
+    foreign = {point.value: point.name for point in entry_points(group=ENTRY_POINTS)}
     for name in (*names, *foreign):
         try:
-            module = importlib.import_module(name)
-            there = [*_engines_in(module), *_discovered_by(module)]
+            there = _offered(name, foreign.get(name, ""))
         # An engine's package may raise anything when it is imported; other engines are still found.
         except (Exception, SystemExit) as error:
             absent.append(_missing(name.rpartition(".")[2], error))
@@ -89,6 +88,25 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
             else:
                 engines[engine.name] = engine
     return engines, tuple(absent)
+
+
+def _offered(value: str, point: str) -> list[Engine | Missing]:
+    """Return the engines that a module has, or why an entry point names none.
+
+    It raises whatever importing the module raises.
+
+    Parameters
+    ----------
+    value : name of the module; an entry point may name an object in a module instead
+    point : name of the entry point; empty for an adapter of spincheck
+    """
+    name, _, member = value.partition(":")
+    module = importlib.import_module(name)
+    there = [*_engines_in(module), *_discovered_by(module)]
+    if point and (member or not (there or "discovered" in vars(module))):
+        rule = "must be a module that defines a complete subclass of spincheck.engine.Engine"
+        return [Missing(point, "", f"its entry point {rule}, got '{value}'")]
+    return there
 
 
 def _misdeclared(engine: Engine) -> str:

@@ -76,7 +76,7 @@ def test_a_cause_that_is_none_counts_as_unknown() -> None:
 class Point:
     """An entry point of another package."""
 
-    value = "misdeclared_engine"
+    name, value = "own", "misdeclared_engine"
 
 
 def test_of_an_installed_package_only_its_own_engine_is_lost(

@@ -21,6 +21,7 @@ import pytest
 import spincheck.engine
 from adapter_checks import CHECKS, Check
 from case_loops import each_case
+from command_line import ended
 from library_scenes import library_scene
 from spincheck.engine import Engine, Session
 from spincheck.engines import discovery
@@ -199,12 +200,12 @@ def test_a_scene_has_what_the_page_lists(name: str) -> None:
 def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[str], None]]:
     """Install a package `another_engine` of this source."""
 
-    def installed(source: str) -> None:
+    def installed(source: str, member: str = "") -> None:
         (tmp_path / "another_engine.py").write_text(source, encoding="utf-8")
         info = tmp_path / "another_engine-1.0.dist-info"
         info.mkdir(exist_ok=True)
         (info / "METADATA").write_text("Name: another-engine\nVersion: 1.0\n", encoding="utf-8")
-        points = "[spincheck.engines]\nanother = another_engine\n"
+        points = f"[spincheck.engines]\nanother = another_engine{member}\n"
         (info / "entry_points.txt").write_text(points, encoding="utf-8")
         monkeypatch.syspath_prepend(str(tmp_path))
         sys.modules.pop("another_engine", None)
@@ -248,6 +249,40 @@ def test_an_adapter_that_cannot_be_used_gets_one_line_and_costs_only_itself(
     assert "toy" not in names
     said = [one for one in capsys.readouterr().err.splitlines() if "cannot be used" in one]
     assert said == [line]
+
+
+RULE = (
+    "its entry point must be a module that defines a complete subclass of spincheck.engine.Engine"
+)
+
+
+@each_case(
+    ("source", "member"),
+    [
+        ("not_one = 3", ""),
+        ("not_one = 3", ":not_one"),
+        (TOY_SOURCE, ":Toy"),
+        # Without a method that an engine must have.
+        (TOY_SOURCE.partition("    def open")[0], ""),
+        ("from spincheck.engines.adapters.mujoco import MuJoCo", ""),
+    ],
+)
+def test_an_entry_point_of_no_engine_is_listed_with_what_is_wrong(
+    source: str, member: str, install: Callable[..., None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    install(source, member)
+    code, out, _ = ended("engines")
+    line = f"another cannot be used: {RULE}, got 'another_engine{member}'."
+    assert (code, line in " ".join(out.split())) == (0, True)
+    code, _, err = ended("run", "fast-top", "--engine", "another")
+    assert (code, f"engine 'another' cannot be used: {RULE}" in " ".join(err.split())) == (3, True)
+
+
+def test_a_module_that_finds_its_engines_itself_may_find_none(
+    install: Callable[..., None],
+) -> None:
+    install("def discovered():\n    return []\n")
+    assert "another" not in {one.name for one in discovery.missing()}
 
 
 def test_one_that_is_too_old_is_told_so() -> None:
