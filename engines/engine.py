@@ -25,6 +25,7 @@ from .checks.read_back import (
     differences,
     start_state,
 )
+from .checks.shapes import check_shapes
 from .interface import Adapted
 from .method import Method, Release
 from .models.description import PLAIN, Description
@@ -253,12 +254,13 @@ class Engine(Adapted, ABC):
             return ended("unsupported", turn, "clamp")
         try:
             with self.open(scenario, method, timestep) as session:
-                body = session.read_body()
-                unlike = self.differences(scenario, method.name, body, session.read_state())
+                body, state = read_at_start(session, scenario)
+                unlike = self.differences(scenario, method.name, body, state)
                 if unlike and is_strict:
                     return ended("failed", unlike[0].complaint, "read-back")
                 most_turn = method.max_rotation_per_step
-                bounds = Bounds(timestep, most_turn, _arm(scenario, body))
+                rotors = len(scenario.rotors.each)
+                bounds = Bounds(timestep, most_turn, _arm(scenario, body), rotors)
                 sampled = sample(session, sample_steps, bounds)
                 active, differs = audit(session, scenario, sampled)
         except UnsupportedError as error:
@@ -271,6 +273,21 @@ class Engine(Adapted, ABC):
         remarks = [*(one.remark for one in unlike), differs, sampled.reason]
         cause = sampled.cause or ("read-back" if unlike else "model" if differs else "")
         return ended(sampled.outcome, "; ".join(filter(None, remarks)), cause, **ending)
+
+
+def read_at_start(session: Session, scenario: Scenario) -> tuple[BodyReading, State]:
+    """Return body and state as read from a session that was opened on a scene.
+
+    Raises
+    ------
+    EngineError
+        If they cannot be read, or are of other shapes than the scene's.
+    """
+    kind, rotors = type(session).__name__, len(scenario.rotors.each)
+    body, state = session.read_body(), session.read_state()
+    check_shapes(body, BodyReading, f"{kind}.read_body", rotors)
+    check_shapes(state, State, f"{kind}.read_state", rotors)
+    return body, state
 
 
 def _arm(scenario: Scenario, body: BodyReading) -> FloatArray | None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .checks.faults import Bounds, faults
 from .checks.read_back import EngineError, State, stacked
+from .checks.shapes import check_shapes
 from .fault import WRONG_AT_ANY_TIMESTEP, Cause, Fault
 from .run import Outcome
 from .session import Session
@@ -55,6 +56,11 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     session : a session that has taken no step yet
     sample_steps : (n,) increasing whole numbers of steps, the first of them 0
     bounds : bounds that every state must keep; the run diverges where one does not
+
+    Raises
+    ------
+    EngineError
+        If states are not of the shapes that they must have.
     """
     parts: list[State] = []
     end = Sampled(NOTHING)
@@ -65,7 +71,10 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
         if snapshots:
             # After a blow-up this may overflow; the state is then detected as infinite.
             with np.errstate(all="ignore"):
-                end = _checked(session, snapshots, session.states(snapshots), end, bounds)
+                states = session.states(snapshots)
+                by = f"{type(session).__name__}.states"
+                check_shapes(states, State, by, bounds.rotors, len(snapshots))
+                end = _checked(session, snapshots, states, end, bounds)
             parts.append(end.states)
         if end.outcome != "ok":
             break

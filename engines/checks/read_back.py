@@ -107,8 +107,9 @@ class State:
     spins: FloatArray = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
-        shape = (*self.omega_body.shape[:-1], 0)
-        if not self.spins.size and self.spins.shape != shape:
+        # Lists for arrays are refused where the state is first received, with a better message.
+        shape = (*np.shape(self.omega_body)[:-1], 0)
+        if not np.size(self.spins) and np.shape(self.spins) != shape:
             object.__setattr__(self, "spins", np.empty(shape))
 
     @property

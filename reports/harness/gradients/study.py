@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from ....engines import Engine, EngineError, UnsupportedError
+from ....engines.engine import read_at_start
 from ....reference import ExactMotion
 from ....scenarios import Scenario
 from ....scenarios.fastest_rate import fastest_rate
@@ -115,7 +116,7 @@ def _study(
     Raises
     ------
     EngineError
-        If the engine cannot be opened; `UnsupportedError` if it cannot simulate the scene.
+        If the engine cannot be opened or read; `UnsupportedError` if it cannot simulate the scene.
     """
     method = engine.method(method_name)
     if reason := engine.unsupported(scenario, method):
@@ -124,6 +125,7 @@ def _study(
     at = places(scenario, outline, None).thinned(STATES)
     rate = fastest_rate(scenario, outline.omega_body) or 1 / scenario.window.duration
     with sessions_of(engine, method, scenario, float(at.timesteps[0])) as sessions:
+        read_at_start(sessions.first, scenario)
         h = timestep or float(at.timesteps[FINE])
         counts = counts_to(STEPS if window is None else max(1, round(window / h)))
         yield MethodStudy(sessions, engine, method, at, units_of(engine, rate), h, counts)
