@@ -17,9 +17,9 @@ LEFT = {DEFAULT: frozenset(DEFAULTS), FROM_FILE: frozenset[str]()}
 
 @final
 class PyBulletFile(FileEngine):
-    """An engine that simulates the link that a scene names as `loadURDF` reads it.
+    """An engine that simulates one link of the user's URDF, as `loadURDF` reads it.
 
-    Its methods are the reader's configurations.
+    Each method is one of the ways to call `loadURDF` that `PyBulletModelReader` names.
     """
 
     name = "pybullet-file"
@@ -41,7 +41,7 @@ class PyBulletFile(FileEngine):
     )
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> PyBulletSession:
-        """Load the link, cut out of its file, and set its start; return the session."""
+        """Load the scene's link alone, set it to the start, and return the session."""
         users = users_link(scenario)
         left = LEFT[method.name]
         # Shapes are needed only if PyBullet computes tensors from them.

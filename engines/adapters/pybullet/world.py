@@ -53,17 +53,21 @@ class World:
 
     Parameters
     ----------
-    scene : `maximal`, whether the body has six coordinates and not a joint's; `hung`, whether it
-        hangs by a spherical joint, which is on `slides` links that slide; PyBullet's `defaults`
-        that are kept; `position`, m, and `attitude`, x y z w, that it is loaded at; `gravity`,
-        m/s²; `drag`, N m s; `torque_world`, N m; `plane`, the height of the plane that it lies on,
-        m, or None;
-        `rotors`, the hinge of each; `motor`, the gain of the joint's motor; `is_exact`, whether
-        constraints are solved directly. Along the principal axes that PyBullet has found, and
-        needed by `set_up` only: `axes`, w x y z, in the body's; `pivot`, m, where it is tied to the
-        world's origin, or None; `torque_body`, N m. The motion, needed by `set_up` only: `turn`,
-        x y z w, and `omega`, rad/s, of the joint along the principal axes, of a base along the
-        world's; `place`, m, and `velocity`, m/s, of a base or of slides; `spins` of rotors, rad/s.
+    scene : numbers by these keys; the last two groups are needed only if `set_up` is called
+
+        - how the body is loaded: `maximal`, whether it has six coordinates and not a joint's;
+          `hung`, whether it hangs by a spherical joint, which is on a number of `slides`, links
+          that slide; `position`, m, and `attitude`, x y z w; `rotors`, the hinge of each;
+          `defaults`, those of PyBullet that are kept
+        - what else acts on it: `gravity`, m/s²; `drag`, N m s; `torque_world`, N m; `plane`, the
+          height of the plane that it lies on, m, or None; `motor`, the gain of the spherical
+          joint's motor; `is_exact`, whether constraints are solved directly
+        - along the principal axes that PyBullet has found: `axes`, these axes in the body's,
+          w x y z, for scripts; `pivot`, the point that is tied to the world's origin, m, or None;
+          `torque_body`, N m
+        - the motion: `turn`, x y z w, and `omega`, rad/s, those of the spherical joint along the
+          principal axes, those of a base along the world's; `place`, m, and `velocity`, m/s, of a
+          base or of the slides; `spins` of the rotors, rad/s
     client : PyBullet's number of an empty world
     files : the contents of `FILE`, a URDF, and of its meshes, by their names
     """
@@ -128,7 +132,10 @@ class World:
         p.changeDynamics(self.body, link, physicsClientId=self.client, **numbers)
 
     def take_away_damping(self):
-        """Set linear and angular damping to 0; a body with joints has them at its base."""
+        """Set the body's linear and angular damping to 0, also that of a body with joints.
+
+        PyBullet keeps both with the body's base.
+        """
         self.change(BASE, linearDamping=0, angularDamping=0)
 
     def set_motor(self, gain):
@@ -155,7 +162,7 @@ class World:
         )
 
     def tie(self):
-        """Tie the body's origin to the world's by a point-to-point constraint."""
+        """Tie the body's point `pivot` to the world's origin by a point-to-point constraint."""
         client, anchor = self.client, BASE
         if self.scene["maximal"]:
             # In maximal coordinates a constraint takes two bodies: one without mass or shape, which
@@ -178,10 +185,10 @@ class World:
         p.changeConstraint(constraint, maxForce=UNREACHED, physicsClientId=client)
 
     def lay_under(self):
-        """Put a plane under the body, both without friction or restitution.
+        """Put a plane under the body, at height `plane`, and take away friction and restitution.
 
-        By default Bullet accepts contacts that are 1e-5 m deep, which shows in the limit of short
-        steps.
+        The depth of contacts that Bullet leaves uncorrected, 1e-5 m by default, is set to 0: it
+        would show in the limit of short steps.
         """
         client = self.client
         p.setPhysicsEngineParameter(contactSlop=0, physicsClientId=client)
@@ -200,7 +207,10 @@ class World:
         self.set_timestep(timestep)
 
     def set_moving(self, motion):
-        """Set velocities and spins, and angles and places of joints, but not the base's pose."""
+        """Set all velocities and spins of a motion, and the coordinates of joints.
+
+        The pose of the base is left as it is.
+        """
         place, velocity, omega = motion["place"], motion["velocity"], motion["omega"]
         if self.link == BASE:
             p.resetBaseVelocity(self.body, velocity, omega, self.client)
@@ -215,7 +225,11 @@ class World:
         p.resetJointStateMultiDof(self.body, self.link, turn, omega, physicsClientId=self.client)
 
     def set_spins(self, spins):
-        """Set the spins of all rotors, rad/s, at the model's angles, and their drives."""
+        """Set the spins of the rotors, rad/s, and the spins that the drives of driven ones keep.
+
+        `spins` has a number for each rotor. The angles of those that turn become 0; locked ones are
+        left as they are.
+        """
         for link, spin in enumerate(spins, start=self.first_rotor):
             if link in self.hinges:
                 p.resetJointState(self.body, link, 0.0, float(spin), self.client)
