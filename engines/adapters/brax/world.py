@@ -124,7 +124,14 @@ structure_of = cache(Structure)
 
 
 def system_of(structure, numbers, timestep):
-    """Return the system of a structure with given numbers and a timestep, s."""
+    """Return a Brax system, put together again from the parts that `World` takes it apart into.
+
+    Parameters
+    ----------
+    structure : the system's `Structure`
+    numbers : the system's arrays, in the order in which JAX lists the leaves of the tree
+    timestep : s
+    """
     system = jax.tree.unflatten(structure.tree, numbers)
     return system.replace(opt=system.opt.replace(timestep=timestep))
 

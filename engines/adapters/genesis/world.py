@@ -112,10 +112,10 @@ class World:
         self.solver.set_dofs_velocity(qd)
 
     def coordinates(self, motion):
-        """Return the joint's coordinates and velocities at a motion as two lists.
+        """Return the joint's coordinates at a motion, and its velocities, as two lists.
 
-        A free joint has place and attitude, a ball joint the attitude, w x y z; their ω is in body
-        axes.
+        Those of a free joint are com, m, and attitude, w x y z; the com's velocity, m/s, world
+        axes, and ω, rad/s, body axes. A ball joint has only attitude and ω.
         """
         place, velocity = (motion["com"], motion["velocity"]) if self.is_free else ((), ())
         omega = matrix(motion["q"]).T @ motion["omega"]

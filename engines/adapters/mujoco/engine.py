@@ -82,7 +82,15 @@ return joint.qpos[-4:].copy(), joint.qvel[-3:].copy()"""
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    """Return a method, with the effects that its joints and contacts can simulate."""
+    """Return a method, with the effects that its joints and contacts can simulate.
+
+    Parameters
+    ----------
+    name : the integrator's name in MJCF, or `SHIPPED`; if it begins with `BY_CONTACT`, a contact
+        holds the body on its table
+    order : declared order of accuracy, of ω and of the attitude
+    summary : the method in a few words
+    """
     integrator, is_contact = name.removeprefix(BY_CONTACT), name.startswith(BY_CONTACT)
     return Method(
         name,

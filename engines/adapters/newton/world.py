@@ -65,7 +65,7 @@ class World:
     scene : the scene's record
     method : key of `SOLVERS`
     timestep : s
-    others : the records of the scenes of more worlds of one model, which have the same effects
+    others : the records of more scenes with the same effects, whose worlds share one model
     """
 
     def __init__(self, scene, method, timestep, others=()):
@@ -146,9 +146,11 @@ class World:
         self.then.assign(self.now)
 
     def coordinates(self, scene, motion):
-        """Return the coordinates and velocities of all joints of a scene at a motion, as two lists.
+        """Return the coordinates of all joints of a scene at a motion, and their velocities.
 
-        Attitudes are x y z w; the angles of rotors are 0.
+        They are two lists. Those of a free joint are com, m, and attitude, x y z w; the com's
+        velocity, m/s, and ω, rad/s, in world axes. A ball joint has only attitude and ω. Rotors
+        that are not locked come last: angles, all 0, and spins, rad/s.
         """
         w, *xyz = motion["q"]
         spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)
