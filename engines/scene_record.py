@@ -37,10 +37,14 @@ ABOUT = {
 
 
 class HeldRotor(NamedTuple):
-    """A rotor as an engine holds it: mass, kg, place, m, tensor, kg m², and axis.
+    """A rotor as an engine holds it, along the axes of the engine's body that carries it.
 
-    The place is from the origin of the engine's body, along the body's axes. `axis` is a unit
-    vector, (3,), or zeros if the hinge is locked.
+    Attributes
+    ----------
+    mass : kg
+    com : the rotor's com, from the origin of the body that carries it, m, (3,)
+    inertia_com : the rotor's tensor about its own com, kg m², (3, 3)
+    axis : the axis that it turns about, a unit vector, (3,), or zeros if the hinge is locked
     """
 
     mass: float

@@ -37,9 +37,8 @@ class WorldSession(Session):
     ----------
     module : the name of the adapter's stand-alone module, which imports the engine. Its class
         `World(scene, method, timestep)` takes the scene as a record, and has `advance(steps)`,
-        `restart(motion, timestep)`, whose motion has the keys of a record, and `motion()`: attitude
-        w x y z and ω of the record's axes, com and its velocity, world axes, and the spins, (13 +
-        rotors,)
+        `restart(motion, timestep)`, whose motion has the keys of a record, and `motion()`, which
+        returns `q`, `omega`, `com`, `velocity` and `spins` of a record as one array, (13 + rotors,)
     method : name of the method
     """
 
@@ -107,9 +106,11 @@ class WorldSession(Session):
         return self.states([self.snapshot()]).rows(0)
 
     def snapshot(self) -> Sequence[float]:
-        """Return the motion in the record's axes, (13 + rotors,).
+        """Return `q`, `omega`, `com`, `velocity` and `spins` of a record, (13 + rotors,).
 
-        It raises `EngineError` if the engine reports trouble or a number is not finite.
+        `q` is the attitude of the record's axes; the vectors are in world axes (`ABOUT` in
+        `scene_record.py`). `EngineError` is raised if the engine reports trouble, or if a number is
+        not finite.
         """
         self.check()
         motion: Sequence[float] = self.world.motion()

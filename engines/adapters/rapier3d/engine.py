@@ -49,15 +49,15 @@ class Rapier3DSession(WorldSession):
         return body.mass, xyz(properties.local_com), inertia
 
     def _rotor(self, body: Any, joint: Any) -> HeldRotor:
-        """Return a rotor in the axes and from the origin of its carrier.
+        """Return a rotor as Rapier holds it, along the axes of the body that carries it.
 
-        Rotor and carrier are two of Rapier's bodies. Their axes coincide at the start, so that the
-        rotor's tensor needs no rotation.
+        Its place is from the origin of that body. The axes of the two bodies coincide at the start,
+        so that the rotor's tensor needs no rotation.
 
         Parameters
         ----------
         body : the rotor's body
-        joint : the joint between carrier and rotor
+        joint : the joint between the body that carries the rotor and the rotor
         """
         (mass, com, inertia), hinge, xyz = self._mass_of(body), joint.data, self.module.xyz
         place = xyz(hinge.local_anchor1) + com - xyz(hinge.local_anchor2)
