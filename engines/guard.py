@@ -12,7 +12,10 @@ from contextlib import suppress
 
 
 def main() -> None:
-    """Read numbers of process groups until the input ends; then kill the groups that are left."""
+    """Keep a list of process groups until the standard input ends; then kill those in the list.
+
+    Each line is a number: a positive one adds that group to the list, a negative one removes it.
+    """
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         if number := getattr(signal, name, None):
             signal.signal(number, signal.SIG_IGN)

@@ -269,13 +269,20 @@ def _by_quat(values: FloatArray, _: Compiler) -> Rotation:
 
 
 def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
-    """Return the rotation about an axis, three numbers, by an angle, the fourth."""
+    """Return the rotation about an axis, three numbers, by an angle, the fourth.
+
+    The angle is in degrees if the compiler says so, else in rad.
+    """
     turn = np.fmod(values[3], 360.0 if compiler.degrees else 2 * np.pi)
     return Rotation.from_rotvec(_unit(values[:3]) * turn, degrees=compiler.degrees)
 
 
 def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
-    """Return the rotation of three Euler angles; axes in small letters turn with the frame."""
+    """Return the rotation of three Euler angles, in degrees if the compiler says so, else in rad.
+
+    They are about the axes of `Compiler.eulerseq`, one after the other. A small letter is an axis
+    of the frame as the rotations before have turned it, a capital one an axis of the parent frame.
+    """
     total = Rotation.identity()
     for letter, angle in zip(compiler.eulerseq, values, strict=True):
         one = Rotation.from_euler(letter.lower(), angle, degrees=compiler.degrees)
@@ -284,7 +291,10 @@ def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
 
 
 def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
-    """Return the rotation with x along the first vector, and the second in the xy plane."""
+    """Return the rotation that takes x along the first of two vectors, and y into their plane.
+
+    The second vector is on the side of y.
+    """
     x, y = _unit(values[:3]), _unit(values[3:])
     across = y - (y @ x) * x
     if np.linalg.norm(across) < LEAST_ANGLE:
