@@ -78,9 +78,9 @@ class Sensitivity:
         - the parameters of effects: `gravity` (n, 6, 3), m/s², world axes; constant torques
           (n, 6, 3), N m, in the axes that they are constant in; coefficients (n, 6); the spins of
           rotors at t = 0 (n, 6, rotors), rad/s, zero for rotors that cannot turn
-    translation : of a body without a pivot, arrays of the same names and columns whose rows are the
-        com, m, and its velocity, m/s, world axes; `state_transition` (n, 6, 12) has columns for com
-        and velocity at t = 0 besides, zero along axes along which the body is held
+    translation : None on a pivot; of other bodies, arrays of the same names and columns whose rows
+        are the com, m, and its velocity, m/s, world axes. `state_transition`, (n, 6, 12), has
+        further columns for com and velocity at t = 0, zero along axes along which the body is held
     rate : fastest rate of the motion, rad/s: the unit of ω in the two attributes below
     conditioning : (n,), the largest singular value of the state transition: the largest factor by
         which a small change of the start grows

@@ -139,11 +139,21 @@ def march_with_tangent(
     first: int,
     steps: int,
 ) -> tuple[int, int]:
-    """Write states and their derivatives at the sample times, from sample `first` on.
+    """Write states and their derivatives by one parameter at sample times, from `first` on.
 
-    It does what `taylor_march.march` does, except that it does not detect lift-off and writes
-    states and derivatives as doubles, (n, STATE) each. `tensor` is δI along the principal axes,
-    (3, 3).
+    It does what `taylor_march.march` does, but it does not detect that a body leaves its table.
+
+    Parameters
+    ----------
+    constants, inverses, terms, paired, clock, times, first, steps : as for `march`; tables have
+        values, and tangents, which are derivatives by the parameter
+    tensor : δI, the derivative of the tensor of inertia, principal axes, (3, 3)
+    series : order 0 has the state and its derivative at the time `clock`; it is overwritten
+    states, tangents : the states and their derivatives, doubles, which are written, (n, STATE) each
+
+    Returns
+    -------
+    As `march` returns them
     """
     total = series.value[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

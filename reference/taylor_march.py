@@ -197,6 +197,7 @@ def march(
     clock : the time, as high and low part, s, (2,); it is advanced
     times : sample times, s, (n,)
     states : high and low parts of the states, which are written, (n, STATE) each
+    first : index of the first sample to write
     steps : largest number of steps
 
     Returns

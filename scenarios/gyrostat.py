@@ -73,7 +73,15 @@ class Rotor:
 
 @dataclass(frozen=True, eq=False)
 class Rotors:
-    """All rotors of a body; false if there are none."""
+    """All rotors of a body; false if there are none.
+
+    In formulas u is the unit vector of a rotor's axis, body axes, C the rotor's moment of inertia
+    about it, kg m², and s its spin, rad/s.
+
+    Attributes
+    ----------
+    each : the rotors, in the order of the scene's file
+    """
 
     each: tuple[Rotor, ...]
 
@@ -196,7 +204,7 @@ class Rotors:
         return np.asarray((self.along * spins * (turned + spins / 2)).sum(axis=-1))
 
     def work(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ C s u·ω of driven rotors, J, (n,), whose change is the work of their drives.
+        """Return Σ C s u·ω of driven rotors, J, (n,); its change is the work of their drives.
 
         Parameters
         ----------
