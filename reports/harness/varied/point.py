@@ -23,8 +23,10 @@ Solved = dict[float, Solution] | str
 def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod]) -> list[Row]:
     """Run methods at a point of an ensemble, and return one row for each method.
 
-    Without methods the exact motion is still solved, and there are no rows. If the point has no
-    valid scene, or a timestep does not fit it, all rows are `unsupported`.
+    Without methods the exact motion is still solved, and there are no rows. All rows are
+    `unsupported` if the point has no valid scene, or if the window is shorter than the timestep of
+    some engine or takes more steps than can be counted. Only an engine's own rows are, if its stock
+    timestep is refused or it takes more than `STEP_BUDGET` steps.
 
     Parameters
     ----------
