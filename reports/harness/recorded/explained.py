@@ -1,4 +1,15 @@
-"""Explains a recorded motion, and says whether its errors are those of noise or of its method."""
+"""Explains a recorded motion, and says whether its errors are those of noise or of its method.
+
+Three kinds of explanations are tried:
+
+- a mistake that is found in the recording, and then what explains the recording without it:
+  `_with_remainder`
+- the equations of motion: of a motion with noise `_of_measured`, of any other `_of_computed`, which
+  also tries how attitude and ω were read, `_of_readings`, and a clamp, `_of_equations`
+- if equations explain too little, a mistake in recording besides, `_beside_a_mistake`, or a change
+  at some time: what explains the motion from then on, `_since_exactly`, or until then,
+  `_by_its_beginning`
+"""
 
 from dataclasses import dataclass, replace
 

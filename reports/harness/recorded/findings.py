@@ -46,10 +46,11 @@ def finding(case: Case) -> Finding | None:
 
 
 def _of_numbers(case: Case) -> Finding | None:
-    """Return what the numbers of a recording show by themselves; None if nothing.
+    """Return what a recording's numbers show without an equation of motion; None if nothing.
 
-    All samples remain to be explained if the mistake can be mended. Else those that are not wrong
-    remain, or those before the first wrong one if the former stay unexplained.
+    If all samples can be corrected, `Finding.left` is the corrected recording. Otherwise it has two
+    cases, the recording without its wrong samples, and only the samples before the first wrong one;
+    or the recording as it is, if no sample is wrong.
     """
     shown = shown_by_digits(case.numbers)
     if case.noise.any():

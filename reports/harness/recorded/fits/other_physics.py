@@ -301,7 +301,11 @@ class Physics:
         return found if found is not None and found.rank <= MOST_OF_ALL else None
 
     def explained(self) -> list[str]:
-        """Return the sentences on the changes that explain the motion; often none."""
+        """Return sentences on what explains the motion; often none.
+
+        They are on the first of these that explains it: changes of the equations or of reading, a
+        parameter that varies in time, energy lost within the body, a missing rate or torque.
+        """
         if self.intervals is None or self.search is None:
             return []
         if self.by_change is not None:

@@ -108,11 +108,12 @@ class Stepwise(Search):
         return fit if best is fit else self.simplified(best, but)
 
     def _simpler(self, fit: Fit, kept: tuple[Change, ...]) -> list[Fit]:
-        """Fits, simpler than a given one, of the changes that are kept and one other change.
+        """Fits of the changes `kept` and one other change, simpler than a given fit; often none.
 
-        The other change is chosen by the first of the data in `Data.beginnings` that the kept
-        changes explain less well than the given fit: it must be promising there. In these data and
-        all later ones χ² must not be significantly larger than that of the given fit.
+        The data in `Data.beginnings` are taken in turn, until the given fit explains them
+        significantly better than the changes `kept` do alone. The changes that are promising in
+        these data, as `_promising` says, are fitted to them and to all later ones. A fit is dropped
+        as soon as the given fit explains the data significantly better.
         """
         room = self._complexity(fit.changes) - self._complexity(kept)
         others = [one for one in self.changes if one not in fit.changes]

@@ -28,9 +28,12 @@ OWN = 1e-3
 
 
 class Varying(NamedTuple):
-    """A parameter that changes in time, in words, and the residuals with it, (S, 6).
+    """A parameter that explains a motion by changing in time.
 
-    The residuals are in units of the intervals' scale.
+    Attributes
+    ----------
+    words : the sentence on how it changes; if two parameters explain the motion, on either
+    rest : the residuals of S intervals with it, in units of `Intervals.scale`, (S, 6)
     """
 
     words: str

@@ -32,12 +32,15 @@ def _with_omega(states: FloatArray, omega_body: FloatArray) -> FloatArray:
 
 
 def _by_component(states: FloatArray, bound: float) -> FloatArray:
-    """Return states, (S, 7), with ω along body axes clamped to ± a bound, rad/s, by components."""
+    """Return states with each component of ω in body axes clamped to ± a bound, rad/s, (S, 7)."""
     return _with_omega(states, np.clip(states[:, 4:], -bound, bound))
 
 
 def _by_component_in_world(states: FloatArray, bound: float) -> FloatArray:
-    """Return states, (S, 7), with ω along world axes clamped to ± a bound, rad/s, by components."""
+    """Return states with each component of ω in world axes clamped to ± a bound, rad/s, (S, 7).
+
+    As in all states, the ω that is returned is in body axes.
+    """
     clamped = np.clip(_in_world(states), -bound, bound)
     return _with_omega(states, turned_back(matrices(states[:, :4]), clamped))
 

@@ -1,4 +1,4 @@
-"""Checks the recorded spins of rotors."""
+"""Compares the recorded spins of rotors with those that follow from the recorded ω."""
 
 import numpy as np
 
