@@ -33,8 +33,8 @@ class Places:
     times : times of the states, s; nan where a state is not on the motion, (K,)
     timesteps : s, each half of the one before, (J,)
     condition : the factor by which a relative error of rounding grows in the angular acceleration:
-        the sum of the condition number of the tensor of inertia about the fixed point and of the
-        contributions of flight and of rotors
+        the sum of the condition number of the tensor of inertia about the fixed point and of two
+        contributions, by a free body's com that is not at its origin, and by rotors
     are_apart : whether the states are so far apart that their gains are independent
     gives_way : whether it is known that a constraint must settle before steps are judged
     """
@@ -149,7 +149,7 @@ def _changed_by(vectors: FloatArray, change: FloatArray) -> FloatArray:
 
 
 def _condition_of_flight(scenario: Scenario) -> float:
-    """The contribution of flight to `Places.condition`: of a com away from the body's origin.
+    """The contribution to `Places.condition` of a free body's com that is not at its origin.
 
     Engines that solve for rotation and translation together divide by the difference of the moment
     about the origin and m arm², with arm the distance of the com from the origin. It is 0 on a
