@@ -31,9 +31,9 @@ def assert_matches_exact(
     Parameters
     ----------
     scene, t, q_wxyz, q_xyzw, omega_body, omega_world, com, velocity : as for `spincheck.judge`
-    bounds : largest error of each signal that is to be checked: `attitude` in rad; `omega`,
-        `angular_momentum`, `energy`, relative. Those of com and velocity are `com_error` and
-        `velocity_error`
+    bounds : largest error of each signal that is to be checked, at least one: `attitude` in rad;
+        `omega`, `angular_momentum` and `energy`, relative, and so are `com_error` and
+        `velocity_error`, whose names differ from those of the arrays `com` and `velocity`
 
     Raises
     ------
@@ -41,8 +41,8 @@ def assert_matches_exact(
         With each signal that exceeds its bound, by how much, from when on, and the common mistake
         that explains it, if one does.
     ValueError
-        If a bound is not positive, names no signal, or one that was not recorded; and as for
-        `spincheck.judge`.
+        If no bound is given; if one is not a positive number, names no signal, or one that was not
+        recorded; and as for `spincheck.judge`.
     """
     wanted = {name.removesuffix("_error"): bound for name, bound in bounds.items()}
     if unknown := [name for name in wanted if name not in SIGNAL]:

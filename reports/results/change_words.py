@@ -71,7 +71,12 @@ def _power(numbers: Sequence[float]) -> str:
 
 
 def _rotors(numbers: Sequence[float]) -> str:
-    """Return the words for a rotor, counted from one, or for all rotors, for which 0 stands."""
+    """Return the words for one rotor, or for all of them.
+
+    Parameters
+    ----------
+    numbers : the rotor's number, counted from one; 0 for all rotors
+    """
     return f"rotor {numbers[0]:.0f}" if numbers[0] else "the rotors"
 
 

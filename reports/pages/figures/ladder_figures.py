@@ -186,7 +186,7 @@ def _curves(
 
 
 def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
-    """Return the abscissas of runs that have one, (n,)."""
+    """Return the abscissa of each run, (n,); every run must have one."""
     return np.array([abscissa(row) for row in rows], dtype=float)
 
 

@@ -129,9 +129,12 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
 def _label(pair: Pair, shipped: list[Pair]) -> str:
     """Return the heading of a method's column: its name, or the engine's if it is as shipped.
 
+    If an engine as shipped has several methods, the headings of all but the first have the engine's
+    name and the method's.
+
     Parameters
     ----------
-    shipped : all methods as shipped
+    shipped : all methods as shipped, of all engines
     """
     engine, method = pair
     if pair not in shipped:

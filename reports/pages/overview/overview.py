@@ -55,10 +55,10 @@ def headline(gathered: ReportData) -> str:
 
 
 def at_stock(gathered: ReportData) -> str:
-    """Return, in words, how many runs at stock timesteps are close, of methods that converge.
+    """Return in words how many runs keep the attitude to within `CLOSE` at their stock timestep.
 
-    A verdict `converges` says nothing about errors at a given timestep. The text is empty if there
-    are no such runs.
+    Only methods with the verdict `converges` are counted, and no engines as shipped: that verdict
+    says nothing about errors at a given timestep. The text is empty if there are no such runs.
     """
     ((runs, close),) = ask(
         gathered,
