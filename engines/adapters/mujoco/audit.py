@@ -17,8 +17,8 @@ from ...models.mjcf_contact import PASSES, sphere_and_plane
 from .coordinates import BODY
 from .world import disabling, flags
 
-#: What no scene calls for, and the fields of a model, or of its options, that are zero without it;
-#: not every version has all of them.
+#: Parts of a model that no scene calls for, each with the fields of the model (`FOREIGN`) or of its
+#: options (`FOREIGN_OPTIONS`) that are zero without it. Some versions of MuJoCo lack some fields.
 FOREIGN = {
     "equality constraints": ("neq",),
     "tendons": ("ntendon",),
@@ -36,8 +36,8 @@ FOREIGN = {
 }
 FOREIGN_OPTIONS = {"wind": ("wind",), "air": ("density", "viscosity")}
 
-#: Relative tolerance of numbers that went through text, in double precision; and in single
-#: precision the number of roundings allowed.
+#: Relative tolerance of a hinge's numbers, which went through the text of the MJCF; if it is larger,
+#: `ROUNDINGS` roundings in the precision of the model are allowed instead, as in single precision.
 HINGE_SLACK, ROUNDINGS = 1e-12, 4
 
 #: MuJoCo's flags in words; flags of later versions are reported by MuJoCo's own names.
@@ -99,9 +99,11 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
 
 
 def _further_parts(model: Any, rotors: Sequence[Rotor]) -> set[str]:
-    """Return in words what the model has besides the body; "rotors" if it is the scene's rotors.
+    """Return in words what the model has besides the body, as a set.
 
-    Bodies welded to the first body belong to it.
+    For a scene with rotors this is how the further bodies differ from these rotors, or "rotors" if
+    they do not differ. For any other scene, bodies that are welded to the first one belong to it,
+    and the set is empty if there are no more.
     """
     if rotors:
         return {*_wrong_hinges(model, rotors)} or {"rotors"}
@@ -141,7 +143,7 @@ def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
 def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> Iterator[str]:
     """Yield a description of each effect that acts with another strength than in the scene.
 
-    Effects that act though the scene does not call for them, or the reverse, are left out.
+    An effect is left out if only one of the two, model or scene, has it.
 
     Parameters
     ----------
@@ -157,11 +159,11 @@ def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> It
 
 
 def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
-    """Return the strength of each effect by name, and sentences on what else actuators do.
+    """Return the strengths of effects by name, and descriptions of what else actuators do.
 
-    A strength is a vector, (3,), except that of drag: the matrix D of the torque −D ω in body axes,
-    (3, 3). Gravity is in m/s², torques are in N m, drag in N m s. A strength is zero for an effect
-    whose pass is switched off.
+    The strengths are "gravity", m/s², world axes, (3,); "torque_body" and "torque_world", N m, in
+    body and in world axes, (3,); and "drag", N m s: the matrix D of the torque −D ω in body axes,
+    (3, 3). Each is zero if the effect does not act, also because its pass is switched off.
     """
     drag, others = np.diag(_joint_damping(model)), []
     torque_body, torque_world = np.zeros((2, 3), model.opt.gravity.dtype)
@@ -275,5 +277,5 @@ def _idle_passes(model: Any) -> frozenset[str]:
 
 
 def _is_on(model: Any, name: str) -> bool:
-    """Whether a pass is on, by the name of its flag; if this version lacks the flag, it is."""
+    """Whether a pass is on, by the name of its flag; a pass without a flag is always on."""
     return not model.opt.disableflags & disabling().get(name, 0)

@@ -26,7 +26,7 @@ TURNING = 3
 
 
 def one_body(model: Any, body: int) -> BodyReading:
-    """Return one body of a compiled model, given its index; the tensor is along the body's axes."""
+    """Return one body of a compiled model, given its index, without its children; body axes."""
     R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
     return BodyReading(
         mass=float(model.body_mass[body]),
@@ -41,14 +41,14 @@ def _rotation(q_wxyz: FloatArray) -> Rotation:
 
 
 class CoordinateSession(Session):
-    """A scene in MuJoCo or in a port of it, which is read and set by its coordinates alone.
+    """A session in MuJoCo or in a port of it, which reads and sets states by qpos and qvel alone.
 
-    The body is free, or on a ball joint or three hinges. Coordinates of slides come first, those of
-    rotors that turn last.
+    The body is on a free joint, a ball joint or three hinges; under a ball joint or hinges there
+    may be slides. In qpos and qvel the slides come first, and the rotors that turn come last.
 
     Parameters
     ----------
-    model : MuJoCo's compiled model of the scene
+    model : the compiled model of the scene, or a port's model with the same field names
     """
 
     def __init__(self, scenario: Scenario, model: Any) -> None:
@@ -73,7 +73,7 @@ class CoordinateSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing: on a pivot, or if the coordinates are the com's."""
+        """Whether a restart rounds nothing: on a ball joint alone, or if the arm to the com is 0."""
         return bool(self._on_pivot or not self._arm_body.any())
 
     @property
@@ -110,9 +110,10 @@ class CoordinateSession(Session):
     def states_at(self, qpos: FloatArray, qvel: FloatArray) -> State:
         """Return the states of n rows of coordinates, (n, nq), and velocities, (n, nv).
 
-        The first coordinates are the place of a point of the body; a ball joint has none, and the
-        point stands still. The com is at this point plus R times the arm, the vector from the point
-        to the com in the compiled model, and its velocity is that of the point plus ω × arm.
+        The first coordinates are the place of a point of the body: the origin of a free body, or
+        the point that slides move. A ball joint alone has no such coordinates, as its point stands
+        still. The arm is the vector from this point to the com, as compiled. The com is at the
+        point plus R times the arm; its velocity is that of the point plus R (ω × arm).
         """
         if self._on_hinges:
             qpos, qvel = unhinged(qpos, qvel)

@@ -1,4 +1,4 @@
-"""Editable models (MjSpec) of files that state a body alone: how it moves is added to them."""
+"""Editable models (MjSpec) of files that state a body alone; joint, gravity and start are added."""
 
 from typing import Any
 

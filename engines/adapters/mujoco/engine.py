@@ -49,7 +49,7 @@ OF_CONTACTS = ("warmstart",)
 #: Prefix of the names of methods that hold a body on a table by a contact; in all others it is on
 #: two slides under a ball joint.
 BY_CONTACT = "contact-"
-#: MuJoCo as shipped, as a method's name has it in place of an integrator.
+#: What the name of a method as shipped has in place of an integrator's name.
 SHIPPED = "default"
 
 
@@ -137,7 +137,15 @@ class MuJoCo(Engine):
         return str(mujoco.mj_versionString())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
-        """Compile the scene's MJCF and set the start, its keyframe; return the session."""
+        """Compile the scene's MJCF, whose keyframe is the start; return a session at the start.
+
+        Raises
+        ------
+        UnsupportedError
+            If this version of MuJoCo lacks the integrator, or a mass or moment is too small for it.
+        EngineError
+            If the compiler refuses the model, or warns.
+        """
         return self.open_with(scenario, method, timestep)
 
     def open_with(
@@ -152,7 +160,9 @@ class MuJoCo(Engine):
     ) -> MuJoCoSession:
         """Open a scene with passes left in or with another description; parameters as in `Engine`.
 
-        Flags are set after compiling, as older versions refuse some of them in MJCF.
+        `defaults` is ignored. So is `left_in` for a method as shipped, which leaves in all passes,
+        and for a description that is compensated. Flags are set after compiling, as older versions
+        refuse some of them in MJCF. Errors are raised as by `open`.
         """
         check_not_too_small(scenario)
         integrator, off = _integrator(method), _switched_off(scenario, method)
@@ -244,7 +254,7 @@ def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
 
 @lru_cache(maxsize=KEPT)
 def _model(scenario: Scenario, method: Method, description: Description) -> Any:
-    """Return the compiled model of a scene, with every pass on."""
+    """Return the compiled model of a scene, with every pass on; it is kept, not to be changed."""
     if description.urdf:
         return compiled(lambda: _of_urdf(scenario, description))
     text = _text(scenario, ANY_TIMESTEP, method, description)

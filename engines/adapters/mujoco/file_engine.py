@@ -23,7 +23,7 @@ PREFIX = "cut-"
 
 @final
 class MuJoCoFile(FileEngine):
-    """An engine that simulates the link that a scene names as MuJoCo reads it from URDF or MJCF."""
+    """An engine that simulates one link of the user's URDF or MJCF, as MuJoCo reads it."""
 
     name = "mujoco-file"
     reader = MuJoCoModelReader()
@@ -41,7 +41,10 @@ class MuJoCoFile(FileEngine):
     )
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
-        """Read the link, free it, and set gravity and start from the scene; return the session."""
+        """Return a session of the scene's link alone, on a free joint, at the scene's start.
+
+        Gravity is the scene's; passes that the scene does not need are switched off.
+        """
         check_not_too_small(scenario)
         model = copy(_model(users_link(scenario)))
         set_scene(model, scenario, method.name)
@@ -61,7 +64,7 @@ def _model(users: UsersLink) -> Any:
 
 
 def _of_urdf(users: UsersLink) -> Any:
-    """Return the compiled model of a link's URDF, without shapes: its inertia is stated."""
+    """Return the compiled model of a link's URDF, which needs no shapes: it states the inertia."""
     text, _ = body_alone(users.model, users.body)
     spec = spec_of_urdf(text.decode(errors="replace"))
     free(spec.body(users.body.host.name))
@@ -78,16 +81,16 @@ def _of_mjcf(users: UsersLink) -> Any:
 
 
 def _alone(whole: Any, users: UsersLink) -> Any:
-    """Return the compiled model of a link and those welded to it, cut out of a whole one.
+    """Return the compiled model of a link and the links welded to it, on a free joint.
 
     Parameters
     ----------
-    whole : the editable model of the whole file, whose options become the defaults
+    whole : the editable model of the whole file; its options are set to MuJoCo's defaults
 
     Raises
     ------
     EngineError
-        If the file states the total mass of the model: it determines no mass of a link alone.
+        If the file states the total mass of the model, which determines no mass of a link alone.
     """
     if whole.compiler.settotalmass > 0:
         raise EngineError(

@@ -71,7 +71,11 @@ class MuJoCoModelReader(ModelReader):
 
 
 def _compiled(model: ModelFile, folder: Path, *, unfused: bool) -> Any:
-    """Return a file's compiled model; if `unfused`, with a body for each link."""
+    """Return a file's compiled model; `folder` is as in `spec_of`.
+
+    If `unfused`, the model has a body for each link, and that of a URDF no shapes, joints and
+    equality constraints.
+    """
     spec = spec_of(model, folder)
     if unfused:
         spec.compiler.fusestatic = False
@@ -85,8 +89,8 @@ def _compiled(model: ModelFile, folder: Path, *, unfused: bool) -> Any:
 def spec_of(model: ModelFile, folder: Path) -> Any:
     """Return a file as an editable model, with only the meshes that an inertia comes from.
 
-    Visual parts are removed. The model's files are written into `folder`, which must exist until
-    the model is compiled.
+    Visual parts of an MJCF are removed. The model's files are written into `folder`, which must
+    exist until the model is compiled.
     """
     spec = mujoco.MjSpec.from_file(laid_out(model, folder, MESHES))
     if model.format == "mjcf":

@@ -1,4 +1,4 @@
-"""What adapters of MuJoCo's ports share: a session, and scripts.
+"""What adapters of MuJoCo's ports share: a session, a batch, and scripts.
 
 Ports run models that MuJoCo compiles, and MuJoCo's audit reads the ports' models and data.
 """
@@ -16,7 +16,7 @@ from ...world_session import WorldBatch, run_script
 from .audit import FLAG_WORDS, acting
 from .coordinates import CoordinateSession
 
-#: Lines that return a port's state; its attitude begins at coordinate {0}.
+#: Lines that return a port's state; attitude and ω begin at index {0} of qpos and of qvel.
 _STATE = """\
 data = world.data()
 q, omega = data.qpos[{0} : {0} + 4], data.qvel[{0} : {0} + 3]
@@ -28,10 +28,10 @@ class PortSession(CoordinateSession):
 
     Parameters
     ----------
-    model : MuJoCo's compiled model, at rest
-    world : holds `model` and `data()` as the port has them now, under MuJoCo's names, and has
-        `advance(steps)`, `motions(places)`, which returns qpos and qvel of worlds,
-        `restart(qpos, qvel)` and `set_timestep(timestep)`
+    model : the port's model of the scene, with the field names of MuJoCo's
+    world : an object with the port's present `model` and `data()`, both with MuJoCo's field names;
+        and with `advance(steps)`, `restart(qpos, qvel)`, `set_timestep(timestep)`, and
+        `motions(places)`, which returns qpos and qvel of the worlds with these indices, one a row
     always_on : passes that the port cannot switch off, by MuJoCo's names
     """
 
@@ -111,8 +111,8 @@ def left_in(
 ) -> tuple[str, ...]:
     """Return the names of the passes that stay on although the scene does not need them.
 
-    As shipped, which `integrator` None stands for, these are all passes that could be switched off;
-    else those that the port cannot switch off.
+    For a port as shipped, `integrator` is None, and these are all passes that could be switched
+    off. Otherwise they are `always_on`, the passes that the port cannot switch off.
     """
     return switched_off(scenario) if integrator is None else always_on
 

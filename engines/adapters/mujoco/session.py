@@ -39,14 +39,14 @@ Snapshot = bytes
 
 @final
 class MuJoCoSession(CoordinateSession):
-    """A session of a compiled MuJoCo model of one body, started at its first keyframe.
+    """A session of a compiled MuJoCo model of one body and its rotors.
 
-    The body is free, or on a ball joint, which may be on slides; other bodies may be welded to it.
+    It starts at the model's first keyframe. Other bodies may be welded to the body.
 
     Parameters
     ----------
-    scenario : the scene that is simulated; only the audit reads it
-    model : compiled, options and effects set
+    scenario : the scene that is simulated, for its rotors and for the audit
+    model : the compiled model, with options and effects set
     has_clock : whether MuJoCo reads the clock that its Python package installs
     tied : time constant of contacts, in timesteps; 0 leaves the model's
     """
@@ -72,7 +72,7 @@ class MuJoCoSession(CoordinateSession):
         set_timestep(self.model, timestep, self._tied)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Reset the data by `mj_resetData`, and set the coordinates of the state."""
+        """Reset the data by `mj_resetData`, set the coordinates of the state, forget warnings."""
         if timestep is not None:
             self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
@@ -81,14 +81,14 @@ class MuJoCoSession(CoordinateSession):
         self._warnings.clear()
 
     def advance(self, steps: int) -> None:
-        """Take steps in one native loop."""
+        """Take steps in one native loop; MuJoCo's warnings are kept for `check` and `snapshot`."""
         with self._stepping():
             # The number is passed by position: by keyword it would cost a fifth of a step.
             mujoco.mj_step(self.model, self.data, steps)
         self._steps += steps
 
     def record(self, strides: Sequence[int], keep: Callable[[Snapshot], object]) -> None:
-        """Take steps and keep snapshots; warnings are collected once for all of them."""
+        """Take steps and keep snapshots; the collecting of warnings is set up once for the run."""
         step, model, data = mujoco.mj_step, self.model, self.data
         with self._stepping():
             for steps in strides:
@@ -160,7 +160,10 @@ class MuJoCoSession(CoordinateSession):
         return Fault(first, "clock", reason)
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as the model, the data and the process's callbacks tell."""
+        """Return what acts on the body, as model, data and callbacks of the process tell.
+
+        "clock" is among it if MuJoCo reads a clock in the steps of this session.
+        """
         clock.hang(self._clock)
         names_acting = acting(self.model, self.data, self._scenario)
         return names_acting | {clock.CLOCK} if clock.is_hung() else names_acting
@@ -207,7 +210,7 @@ def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
 
 
 def check_not_too_small(scenario: Scenario) -> None:
-    """Raise `UnsupportedError` for a body or rotor whose numbers are too small for MuJoCo."""
+    """Raise `UnsupportedError` if a mass or moment of body or rotors is too small for MuJoCo."""
     parts = scenario.carrier, *(rotor.body for rotor in scenario.rotors.each)
     least = min(min(part.mass, *part.principal_moments) for part in parts)
     if least <= mujoco.mjMINVAL:
