@@ -15,7 +15,8 @@ from ...scene_record import WorldBody, scene_record
 from ...world_engine import WorldEngine
 from ...world_session import WorldBatch, WorldSession
 
-#: Its forces act on joints; a free body and a pivot have no joint that takes the scene's torques.
+#: Effects that Brax can simulate. Its forces act along coordinates of joints, and neither a free
+#: joint nor the three hinges of a pivot take the scene's torques.
 EFFECTS = frozenset({"gravity", "pivot"})
 SLACK = 8 * float(np.finfo(np.float32).eps)
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...world_parts import matrix, quaternion
 
-#: Filters for warnings that Brax is not maintained, that a package it imports is not, and about its
-#: parts of MJX.
+#: Filter of all warnings: Brax and a package that it imports warn that they are not maintained, and
+#: its parts of MJX warn, too.
 WARNINGS = {"action": "ignore", "category": Warning}
 
 with warnings.catch_warnings(**WARNINGS):
@@ -22,7 +22,7 @@ with warnings.catch_warnings(**WARNINGS):
     from brax.spring import pipeline as spring
 
 jax.config.update("jax_platforms", "cpu")
-#: Options by method, set in the body's MJCF: Brax reads its options as MuJoCo's `custom`.
+#: The pipeline of each method, and Brax's own options, which it reads from `custom` in an MJCF.
 PIPELINES = {
     # With iterations it would only approximate the inverse mass matrix, from that of the previous
     # step.
@@ -45,8 +45,9 @@ MJCF = """\
 #: Brax has no ball joint: three hinges about the axes of the body, one after the other, stand for
 #: it.
 HINGES = "".join(f'<joint axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
-#: The hinges' frame in the world, in columns. They are at their pole where the body's third axis is
-#: along the first of these: not along an axis of the world, along which tops often begin.
+#: The axes of the frame in which the hinges are, in columns, world axes. The hinges are singular
+#: where the body's third axis is along the first column. So this column is along no axis of the
+#: world: along one of them, the third axes of tops often start.
 FRAME = np.array([[1, 1, 1], [1, -1, 1], [1, 0, -2]]) / np.sqrt([3, 2, 6])
 
 
@@ -97,12 +98,15 @@ def turned_about(angle, axis):
 
 
 def hinged(q):
-    """Return the rotation matrix of three hinges at angles q, rad."""
+    """Return the rotation matrix, body to the hinges' frame, of three hinges at angles q, rad."""
     return turned_about(q[0], 0) @ turned_about(q[1], 1) @ turned_about(q[2], 2)
 
 
 def hinge_axes(q):
-    """Return the axes about which three hinges turn the body, world axes, in columns."""
+    """Return the axes about which three hinges at angles q turn the body, in columns, (3, 3).
+
+    They are unit vectors along the axes of the hinges' frame.
+    """
     first = turned_about(q[0], 0)
     second = first @ turned_about(q[1], 1)
     return np.column_stack([np.eye(3)[0], first[:, 1], second[:, 2]])

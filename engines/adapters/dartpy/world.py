@@ -10,7 +10,9 @@ LIGHT = 2.0**-80
 
 
 class World:
-    """One body on a free joint at its com, or on a ball joint where it is held, which may slide.
+    """One body on a free joint at its com, or on a ball joint where it is held.
+
+    On a table the ball joint is on a planar slide. Rotors are on revolute joints, or welded on.
 
     Parameters
     ----------
@@ -43,7 +45,8 @@ class World:
     def slid(self, scene):
         """Return, as a tuple, the body node that the body's joint is on; empty for the world.
 
-        If the body slides, this body node, of next to no mass, slides in the plane.
+        For a body on a table, this node and its slide in the plane are added here; it has next to
+        no mass.
         """
         if "slides" not in scene:
             return ()

@@ -111,9 +111,10 @@ class DrakeSession(WorldSession):
         return {"AutoDiff of dω/dt": Derivative(self._derivative)}
 
     def _derivative(self, steps: int = 1) -> FloatArray:
-        """Return the derivative by turn and ω, body axes, of steps, (6, 6), or dω/dt, (3, 6).
+        """Return a derivative by turn and ω, body axes: of steps, (6, 6), or of dω/dt, (3, 6).
 
-        The latter is that of a plant with an integrator, for which `steps` is ignored.
+        For a plant that steps itself it is that of `steps` steps. For a plant with an integrator it
+        is that of dω/dt, and `steps` is ignored.
 
         Raises
         ------
@@ -191,7 +192,7 @@ class DrakeSession(WorldSession):
 
 @final
 class Drake(WorldEngine):
-    """The engine Drake, with the body on a quaternion joint, or at its pivot on a ball joint.
+    """The engine Drake, with a free body on a quaternion joint, and any other on a ball joint.
 
     The coordinates of the ball joint are roll, pitch and yaw.
     """

@@ -5,7 +5,7 @@ import pydrake.all as drake
 
 from ...world_parts import drive, matrix, push, rotor_tensor
 
-#: Methods in which the plant steps itself, without an integrator: the values are Drake's names.
+#: Names of the methods in which the plant steps itself, without an integrator.
 DISCRETE = ("discrete", "default")
 
 
@@ -37,7 +37,9 @@ class Torque(drake.LeafSystem):
 
 
 class World:
-    """One body, on a ball joint of roll, pitch and yaw at its pivot, or on a quaternion joint.
+    """One body on a quaternion joint, or on a ball joint of roll, pitch and yaw where it is held.
+
+    On a table the ball joint is on slides. Rotors are on revolute joints, or welded to the body.
 
     Parameters
     ----------
@@ -73,7 +75,10 @@ class World:
         self.restart(scene, timestep)
 
     def add_body(self, scene):
-        """Add the body, its frame along the principal axes and at its joint."""
+        """Add the body, what holds it, its rotors and gravity to the plant; finalize the plant.
+
+        The body's frame is at its joint, along the principal axes.
+        """
         lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the joint to the com
         inertia = drake.SpatialInertia.MakeFromCentralInertia(
             scene["mass"], lever, drake.RotationalInertia(*scene["moments"])

@@ -26,7 +26,9 @@ from ...world_session import WorldSession
 
 #: Types of the objects that a scene needs besides joints of rotors.
 KINDS = frozenset({"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"})
-#: Integrators that refuse joints between bodies; they accept constrained coordinates only.
+#: Effects that the implicit integrators can simulate. Explicit ones refuse joints between bodies,
+#: and with them rotors; and they get constraints wrong if the com is not at the node, as it is not
+#: for a body on a table.
 IMPLICIT_EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 #: Most turn of a rotor in a step, rad. An iteration reduces the error by the factor of half the
 #: turn (0.36 at 0.73 rad, measured), so that the 100 iterations that `world` allows reduce it to
@@ -52,10 +54,16 @@ mbs.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.{name})"""
 
 @final
 class ExudynSession(WorldSession):
-    """A session of one body in an Exudyn system; a body on a pivot is described from the pivot."""
+    """A session of one body in an Exudyn system.
+
+    The body's node is at the point that is held, or at the com of a free body.
+    """
 
     def world_body(self) -> WorldBody:
-        """Return the body as its object holds it, relative to its node; gravity acts at the com."""
+        """Return the body as its object holds it, relative to its node.
+
+        The com is the place of the marker at which gravity acts.
+        """
         system, R_axes_node = self.world.system, self.world.R_axes_node
         com = R_axes_node @ system.GetMarker(self.world.com)["localPosition"]
         mass, about_node = self._mass_of(self.world.body)
@@ -75,7 +83,10 @@ class ExudynSession(WorldSession):
         return float(found["mass"]), R_axes_node @ of_node @ R_axes_node.T
 
     def _rotor(self, rotor: Any) -> HeldRotor:
-        """Return the rotor on a joint; the joint's frames in the body and in the rotor coincide."""
+        """Return a rotor, given its numbers in the system, where the joint puts it on the body.
+
+        This is the pose in which the joint's frames in the body and in the rotor coincide.
+        """
         system, R = self.world.system, self.world.R_axes_node
         joint = system.GetObject(rotor.joint)
         in_body, in_rotor = (
@@ -177,8 +188,8 @@ class ExudynSession(WorldSession):
     def _of_constraints(self, objects: Sequence[Any]) -> set[str]:
         """Return the effect, pivot or table, that the constrained coordinates implement, as a set.
 
-        It is empty if no coordinate is constrained; if they implement neither, it has words on
-        which coordinates they are.
+        The set is empty if no coordinate is constrained. If the constrained coordinates implement
+        neither effect, it has a description of them.
 
         Parameters
         ----------
@@ -275,7 +286,15 @@ class Exudyn(WorldEngine):
     )
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Assemble the system and set its start; raise `EngineError` if Exudyn prints an error."""
+        """Assemble the system, and return a session at the start.
+
+        Raises
+        ------
+        UnsupportedError
+            If a rotor turns too far in a step, except in the method as shipped.
+        EngineError
+            If Exudyn prints an error.
+        """
         if scenario.rotors and not method.as_shipped:
             _check_turns(scenario, timestep)
         with native_output() as printed, warnings.catch_warnings():

@@ -30,18 +30,19 @@ OF_TRAPEZOIDAL_RULE = {
 #: Rounding errors allowed in a residual, which adds up a body's torque in its own axes, ω x I ω,
 #: and a joint's force. With 64 the solver gave up on a rotor at 600 rad/s on a table.
 ROUNDING = 256 * float(np.finfo(float).eps)
-#: Rotations from the body's axes to the same axes in other orders.
+#: Rotations between the body's axes and those of its node: the same axes in each cyclic order.
 TURNED = [np.roll(np.eye(3), k, axis=0) for k in range(3)]
 #: Entries of an inertia tensor, in the order in which objects take them.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
-#: Numbers of a rotor's node, object, joint and drive, and its place from the com and axis, axes of
-#: the record; the drive is None if the hinge is free or locked.
+#: A rotor in the system: the numbers of its node, object, joint and drive; its place from the body's
+#: com, m, and its axis, both along the axes of the record. The drive is None if the hinge is free or
+#: locked.
 Rotor = namedtuple("Rotor", "node body joint drive place axis")
 
 
 def settings(solver):
-    """Return Exudyn's settings for a solver, by name; only as shipped may it halve steps."""
+    """Return Exudyn's settings for the solver of a given name; steps are halved only as shipped."""
     own = OF_TRAPEZOIDAL_RULE if solver == "TrapezoidalIndex2" else {}
     steady = {} if solver == AS_SHIPPED else {"adaptiveStep": False}
     simulation = exudyn.SimulationSettings()
@@ -57,10 +58,11 @@ def settings(solver):
 class World:
     """One body on a Lie-group node, held by constrained coordinates; its rotors are on joints.
 
-    Explicit solvers eliminate constraints wrongly if the com is not at the node. So the node is at
-    the pivot, the tensor is taken about the pivot, and gravity is a force on a marker at the com.
-    On a table the node is at the tip, because constraints of other points begin with wrong forces,
-    about which the trapezoidal rule oscillates.
+    Explicit solvers eliminate constraints wrongly for an object whose com is not at its node. So
+    for a body on a pivot the node is at the pivot, and the object has its com there, and its tensor
+    about it; gravity is a force on a marker at the true com. On a table the node is at the tip,
+    because constraints of other points begin with wrong forces, about which the trapezoidal rule
+    oscillates; there the object has the true com.
 
     Parameters
     ----------
@@ -222,7 +224,7 @@ class World:
     def restart(self, motion, timestep):
         """Set another motion, keyed as in the scene's record, and timestep, s.
 
-        A new run of the solver begins.
+        A new run of the solver begins, in a system that is built anew if `face` decides so.
         """
         self.timestep = timestep
         R_world_axes, omega = matrix(motion["q"]), np.array(motion["omega"])
@@ -257,9 +259,10 @@ class World:
         self.solver.InitializeSolver(self.system, self.settings)
 
     def terms(self, body, turning, place, omega):
-        """Return the size of the terms that a body or rotor adds to the solver's residual, N, N m.
+        """Return the size of the terms that a body or rotor adds to the solver's residual.
 
-        Its torque has terms in I ω², which cancel for a turn about a principal axis.
+        It is a torque, N m, plus a force, N. The torque is I ω², the size of terms that cancel if
+        the body turns about a principal axis.
 
         Parameters
         ----------
@@ -321,9 +324,10 @@ class World:
     def advance(self, steps):
         """Take steps in one native loop; Exudyn's clock starts at 0 in each call and adds up steps.
 
-        The end time is also computed as that sum: with steps · timestep, a fraction of a step might
-        remain. With constant steps it is half a step earlier: Exudyn does not shorten the last
-        step, and in a run to 1e6 s it took one step too many, as if the sum had not been reached.
+        The end time is added up in the same way: at the product steps · timestep, a fraction of a
+        step might remain. Except as shipped, where steps may be halved, it is then set half a step
+        earlier. Exudyn does not shorten the last step; without this margin it took one step too
+        many in a run to 1e6 s, as if the sum had not been reached.
 
         Raises
         ------

@@ -35,7 +35,7 @@ class MJXSession(PortSession):
         super().__init__(scenario, model, world, SPRINGS)
 
     def record(self, strides: Sequence[int], keep: Callable[[FloatArray], object]) -> None:
-        """Take steps and keep snapshots, as in `Session`; a call of MJX's loop makes many."""
+        """Take steps and keep snapshots, as in `Session`; one call of MJX's loop takes many."""
         most = _module().SAMPLES_A_CALL
         for first in range(0, len(strides), most):
             for row in self._world.run(strides[first : first + most]):

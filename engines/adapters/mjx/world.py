@@ -43,9 +43,9 @@ def nameless(text):
 def in_mjx(compiled):
     """Return a compiled model and data at rest as MJX has them, in numpy's arrays.
 
-    The arrays are numpy's because the compiled loop takes none of JAX's weak types, and MuJoCo's
-    audit reads them. The marks of aligned bodies, by which MuJoCo's C code saves work, are left
-    out: MJX's steps do not read them, but JAX would compile again for each.
+    The arrays are numpy's because the compiled loop takes none of JAX's weak types, and so that
+    they can be read like MuJoCo's own. The marks of aligned bodies, by which MuJoCo's C code saves
+    work, are set to zero: MJX's steps do not read them, but JAX would compile anew for each value.
     """
     model = mjx.put_model(compiled)
     model = model.replace(**{name: np.zeros_like(getattr(model, name)) for name in MARKS})
@@ -59,11 +59,11 @@ def kinds(arrays):
 
 @cache
 def loop(trees, still, moving):
-    """Return the compiled loop of steps for models of one structure, whose numbers are arguments.
+    """Return a compiled loop of steps that serves all models of one structure.
 
-    The loop takes the arrays of model and data, the numbers of steps before each sample, padded to
-    `SAMPLES_A_CALL`, and the number of samples. It returns the arrays of the data at the end, and
-    qpos and qvel at each sample, one a row.
+    The loop takes the arrays of a model, the arrays of its data, the numbers of steps before each
+    sample, padded to `SAMPLES_A_CALL`, and the number of samples. It returns the arrays of the data
+    at the end, and qpos and qvel at each sample, one a row.
 
     Parameters
     ----------
@@ -136,7 +136,10 @@ class World:
             self.moving[at] = np.asarray(numbers, dtype=self.precision)
 
     def run(self, strides):
-        """Take some steps before each sample; return qpos and qvel at each sample, one a row."""
+        """Take steps, and return qpos and qvel at each sample, one a row.
+
+        `strides` has the number of steps before each sample; at most `SAMPLES_A_CALL` of them.
+        """
         padded = np.zeros(SAMPLES_A_CALL, dtype=np.int32)
         padded[: len(strides)] = strides
         in_precision(self.is_double)

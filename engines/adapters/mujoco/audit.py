@@ -36,8 +36,8 @@ FOREIGN = {
 }
 FOREIGN_OPTIONS = {"wind": ("wind",), "air": ("density", "viscosity")}
 
-#: Relative tolerance of a hinge's numbers, which went through the text of the MJCF; if it is larger,
-#: `ROUNDINGS` roundings in the precision of the model are allowed instead, as in single precision.
+#: Relative tolerance of a hinge's numbers, which went through the text of the MJCF: `HINGE_SLACK`
+#: in double precision, and `ROUNDINGS` roundings in single precision.
 HINGE_SLACK, ROUNDINGS = 1e-12, 4
 
 #: MuJoCo's flags in words; flags of later versions are reported by MuJoCo's own names.
@@ -163,7 +163,7 @@ def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
 
     The strengths are "gravity", m/s², world axes, (3,); "torque_body" and "torque_world", N m, in
     body and in world axes, (3,); and "drag", N m s: the matrix D of the torque −D ω in body axes,
-    (3, 3). Each is zero if the effect does not act, also because its pass is switched off.
+    (3, 3). A strength is zero if the effect does not act, or if its pass is switched off.
     """
     drag, others = np.diag(_joint_damping(model)), []
     torque_body, torque_world = np.zeros((2, 3), model.opt.gravity.dtype)

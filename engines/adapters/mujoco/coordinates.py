@@ -73,7 +73,7 @@ class CoordinateSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing: on a ball joint alone, or if the arm to the com is 0."""
+        """Whether a restart rounds nothing: on a ball joint alone, or if the point is the com."""
         return bool(self._on_pivot or not self._arm_body.any())
 
     @property

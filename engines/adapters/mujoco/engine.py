@@ -254,7 +254,7 @@ def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
 
 @lru_cache(maxsize=KEPT)
 def _model(scenario: Scenario, method: Method, description: Description) -> Any:
-    """Return the compiled model of a scene, with every pass on; it is kept, not to be changed."""
+    """Return the compiled model of a scene, with every pass on; cached: callers change a copy."""
     if description.urdf:
         return compiled(lambda: _of_urdf(scenario, description))
     text = _text(scenario, ANY_TIMESTEP, method, description)
