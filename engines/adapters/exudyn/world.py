@@ -35,9 +35,9 @@ TURNED = [np.roll(np.eye(3), k, axis=0) for k in range(3)]
 #: Entries of an inertia tensor, in the order in which objects take them.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
-#: A rotor in the system: the numbers of its node, object, joint and drive; its place from the body's
-#: com, m, and its axis, both along the axes of the record. The drive is None if the hinge is free or
-#: locked.
+#: A rotor in the system: the numbers of its node, object, joint and drive; and its place from the
+#: com of the body, m, and its axis, both along the axes of the record. The drive is None if the
+#: hinge is free or locked.
 Rotor = namedtuple("Rotor", "node body joint drive place axis")
 
 

@@ -7,7 +7,8 @@ from contextlib import contextmanager
 from ...native_output import silent
 from ...user_cache import user_cache
 
-#: Their environment variables, and the folder of each; what a user has set stays.
+#: The environment variables by which Genesis and its compiler find their caches, and the name of
+#: the folder for each. A variable that the user has set is left as it is.
 FOLDERS = {"GS_CACHE_FILE_PATH": "genesis", "QD_OFFLINE_CACHE_FILE_PATH": "quadrants"}
 
 

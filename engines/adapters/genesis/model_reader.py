@@ -15,7 +15,7 @@ from ...world_parts import matrix
 from .caches import kernels_kept
 
 UNMERGED = "unmerged"
-#: Mass, kg, of links that have none: Genesis gives them the relative ulp of single precision.
+#: Mass, kg, that Genesis gives to links without mass: the relative ulp of single precision.
 PLACEHOLDER = float(np.finfo(np.float32).eps)
 IMPOSSIBLE = Advice("correct the masses and tensors that no body has", concerns="impossible")
 

@@ -13,7 +13,8 @@ with warnings.catch_warnings(action="ignore"):
 
     gs.init(backend=gs.cpu, precision="32", logging_level="error")
 sys.excepthook = hook
-#: Options: no scene needs these passes, nor the inertia that Genesis gives to hinges without any.
+#: Options that switch off passes, which no scene needs; and one that keeps Genesis from giving an
+#: armature to joints that have none.
 OFF = {"enable_collision": False, "enable_joint_limit": False, "disable_constraint": True}
 WITHOUT_ARMATURE = {"default_armature": None}
 MJCF = """\
@@ -55,7 +56,8 @@ class World:
     scene : the scene's record
     method : name of the method
     timestep : s
-    others : the records of the scenes of more worlds, which have the same effects
+    others : the records of the scenes of more worlds; gravity, drag and torques of all worlds are
+        those of `scene`
     """
 
     def __init__(self, scene, method, timestep, others=()):
@@ -63,7 +65,8 @@ class World:
         self.is_free = scene["arm"] is None
         bodies = list(dict.fromkeys(map(mjcf, self.scenes)))
         # Kernels for worlds with bodies of their own round otherwise, so that they are used only
-        # where bodies differ. Genesis changes no body that it has aligned to its principal axes.
+        # where bodies differ. Such bodies are not aligned to their principal axes, because Genesis
+        # then refuses to change them.
         options, morph = ({"batch_links_info": True}, {"align": False}) if bodies[1:] else ({}, {})
         if method != "default":
             options |= {"integrator": getattr(gs.integrator, method), **OFF}

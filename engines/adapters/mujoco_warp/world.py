@@ -12,13 +12,14 @@ wp.set_device("cpu")
 
 
 class FirstWorld:
-    """MuJoCo Warp's model or data of its first world, under MuJoCo's names, as numpy's arrays.
+    """MuJoCo Warp's model or data of the first world: MuJoCo's field names, and numpy's arrays.
 
     A field that MuJoCo Warp does not have is read from MuJoCo's own model or data.
 
     Parameters
     ----------
-    on_device, compiled : MuJoCo Warp's model or data, or options of a model, and MuJoCo's own
+    on_device : MuJoCo Warp's model, data, or options of a model
+    compiled : MuJoCo's own object of the same kind
     """
 
     def __init__(self, on_device, compiled):
@@ -85,7 +86,7 @@ class World:
         self.model = FirstWorld(self.on_device, compiled[0])
         self.at_rest = mujoco.MjData(compiled[0])
         self.set_timestep(timestep)
-        mjw.step(self.on_device, self.there)  # loads what a recording may not load
+        mjw.step(self.on_device, self.there)  # loads the kernels, which a recording may not load
         with wp.ScopedCapture() as capture:
             mjw.step(self.on_device, self.there)
         self.graph = capture.graph

@@ -30,15 +30,15 @@ from ...world_parts import matrix, push
 from ...world_session import RecordBatch, WorldSession
 from .model_reader import NewtonModelReader
 
-#: Effects that all solvers can simulate. A rotor is a link on a revolute or fixed joint; a driven
-#: rotor needs an armature, which only solvers in joint coordinates have.
+#: Effects that solvers in joint coordinates can simulate. A rotor is a link on a revolute or fixed
+#: joint, and a driven one needs an armature. The other solvers have none, and so get no rotors.
 EFFECTS = COMMON_EFFECTS | {"rotors"}
-#: The versions of MuJoCo and MuJoCo Warp that a version of Newton requires, from its metadata;
-#: later versions get those of the newest.
+#: The version of MuJoCo and MuJoCo Warp that each version of Newton requires, from its metadata.
+#: Any other version of Newton gets that of the newest one here.
 MUJOCO: dict[tuple[int, ...], str] = {(1, 8): "3.17.0", (1, 7): "3.15.0"}
 #: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
-#: The smallest number that single precision rounds relatively; any unit.
+#: The smallest positive number that single precision holds to its full 24 bits.
 SMALLEST = float(np.finfo(np.float32).tiny)
 #: Lines that users write to make a solver.
 SETUP = """\
@@ -146,7 +146,7 @@ class NewtonSession(WorldSession):
         return frozenset(acting | stated_effects if is_pushed else acting)
 
     def _damping(self) -> float:
-        """Return the rate at which the solver damps ω, 1/s."""
+        """Return the rate at which the solver damps ω of the body, 1/s; 0 if it does not."""
         model: Any = self.world.model
         if not hasattr(model, "steel"):
             return float(getattr(self.world.solver, "angular_damping", 0.0))

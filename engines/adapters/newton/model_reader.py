@@ -12,7 +12,7 @@ from ...users_models import Advice, Configuration, ModelFile, ModelReader, laid_
 from ...warp_kernels import kernels_kept
 
 COLLAPSED = "collapsed"
-#: What keeps the tensor of every link, and so of the whole.
+#: Advice by which the tensor of each link is kept, and so that of the whole body.
 KEPT = Advice("import it without collapse_fixed_joints: Newton then has a fixed joint for each")
 
 

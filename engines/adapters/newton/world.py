@@ -65,7 +65,8 @@ class World:
     scene : the scene's record
     method : key of `SOLVERS`
     timestep : s
-    others : the records of more scenes with the same effects, whose worlds share one model
+    others : the records of more scenes, whose worlds share one model; gravity, drag and torques of
+        all worlds are those of `scene`
     """
 
     def __init__(self, scene, method, timestep, others=()):
@@ -195,13 +196,13 @@ class World:
         self.now.assign(self.then)
 
     def advance(self, steps):
-        """Take steps; all but the first with a timestep are launches that were recorded once.
+        """Take steps: the first with a timestep by Python's calls, all others by a recorded graph.
 
-        Recorded launches take a hundredth of the time of Python's calls; recording them takes as
-        long as two steps.
+        A step's launches are recorded once for each timestep. A recorded step takes a hundredth of
+        the time of Python's calls; recording takes as long as two steps.
         """
         if steps and self.timestep not in self.graphs:
-            self.step(self.timestep)  # loads what a recording may not load
+            self.step(self.timestep)  # loads the kernels, which a recording may not load
             self.graphs[self.timestep] = None
             steps -= 1
         if steps and self.graphs[self.timestep] is None:

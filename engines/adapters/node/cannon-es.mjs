@@ -3,7 +3,7 @@ import { bodiesOf, jointsOf, load, stepped, xyz } from './parts/building.mjs';
 import { method, serve, version } from './parts/host.mjs';
 
 const C = await load('cannon-es/dist/cannon-es.cjs.js');
-// For a joint that holds as rigidly as doubles allow; its own defaults suppose steps of 1/60 s.
+// They make a joint as rigid as doubles allow; the defaults of cannon-es suppose steps of 1/60 s.
 const STIFFNESS = 1e12, RELAXATION = 3, ITERATIONS = 50;
 
 function open(scene, name, timestep) {
@@ -29,7 +29,7 @@ function open(scene, name, timestep) {
     const joint = hinge ? new C.HingeConstraint(first, bodies[child], { pivotA: vec(at), pivotB: vec(here), axisA: vec(x) })
       : new C.PointToPointConstraint(first, vec(at), bodies[child], vec(here));
     joint.equations.slice(0, 3).forEach((row, axis) => { row.enabled = locked[axis]; });
-    // Locked is driven to stay.
+    // A locked rotor is on a hinge whose motor keeps it at rest relative to the body.
     if (fixed || spin !== null) {
       joint.enableMotor();
       joint.setMotorSpeed(-(spin ?? 0));

@@ -17,7 +17,7 @@ from ...user_cache import user_cache
 from .script import script
 
 HERE = Path(__file__).parent
-#: The folder of modules that engines import.
+#: The modules that the files of engines import.
 PARTS = tuple(sorted((HERE / "parts").glob("*.mjs")))
 LOCK = HERE / "package-lock.json"
 #: Name of the family, by which users ask for all of these engines.
@@ -49,7 +49,8 @@ def modules_folder() -> Path:
 def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
     """Return the engine in a file, starting it only if its description is not stored.
 
-    If it does not start, the reason is returned.
+    An engine that was started has its description stored. If it does not start, the reason is
+    returned.
 
     Parameters
     ----------
@@ -78,7 +79,9 @@ def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEn
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:
-    """Return an engine's description as stored when it was first started; None if none is stored.
+    """Return an engine's description as stored when it was first started.
+
+    It is None if none is stored, or if the stored one cannot be read.
 
     Parameters
     ----------

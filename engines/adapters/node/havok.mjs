@@ -20,7 +20,7 @@ function open(scene, name, timestep) {
   const bodies = bodiesOf(scene).map(({ mass, moments, q: [w, x, y, z], com, velocity, omega }) => {
     const body = H.HP_Body_Create();
     H.HP_Body_SetMotionType(body, H.MotionType.DYNAMIC);
-    // Its moments are told a unit of mass.
+    // Havok takes moments per unit of mass.
     H.HP_Body_SetMassProperties(body, [HERE, mass, moments.map((I) => I / mass), [0, 0, 0, 1]]);
     H.HP_Body_SetQTransform(body, [com, [x, y, z, w]]);
     if (!shipped) {
@@ -59,6 +59,7 @@ function open(scene, name, timestep) {
 serve({ name: 'havok', version: version('@babylonjs/havok'), precision: 'single', stock_timestep: 1 / 60, open,
   body: (body) => { const [com, mass, moments, [x, y, z, w]] = H.HP_Body_GetMassProperties(body);
     return { mass, com, moments: moments.map((I) => I * mass), frame: [w, x, y, z] }; },
+  // Havok does not report a joint's places and axis: they are as described.
   joint: (joint, { at, here, x }) => ({ at, here, axis: x, driven: H.HP_Constraint_GetAxisMotorType(joint, TWIST) === VELOCITY,
     locked: H.HP_Constraint_GetEnabled(joint) ? AXES.filter((axis) => H.HP_Constraint_GetAxisMode(joint, axis) === LOCKED).length : 0 }),
   acts: ({ world, bodies, timestep }) => ({ gravity: gravityFelt(H, world, timestep), others: {

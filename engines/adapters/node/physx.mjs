@@ -2,7 +2,8 @@
 import { HERE, UPRIGHT, X, bodiesOf, jointsOf, load, read, rotated, stepped, wxyz, xyz } from './parts/building.mjs';
 import { method, serve, version } from './parts/host.mjs';
 
-// It is not built for node, looks for it and refuses: both stand in for a browser while it starts.
+// The module is not built for node, and refuses to start if it finds it. While it starts, `process`
+// is hidden, and `window` and `document` stand in for those of a browser.
 const node = globalThis.process, wasmBinary = read('physx-js-webidl/physx-js-webidl.wasm');
 const starting = load('physx-js-webidl/physx-js-webidl.mjs');
 Object.assign(globalThis, { process: undefined, window: globalThis, document: { currentScript: null } });
@@ -47,7 +48,7 @@ function open(told, name, timestep) {
     AXES.forEach((axis, k) => joint.setMotion(axis, locked[k] ? eLOCKED : eFREE));
     if (spin !== null) {
       joint.setDrive(eTWIST, new P.PxD6JointDrive(0, FAST, FAST, true));
-      joint.setDriveVelocity(vec(HERE), vec([-spin, 0, 0])); // of the parent against the child
+      joint.setDriveVelocity(vec(HERE), vec([-spin, 0, 0])); // of the parent relative to the child
     }
     return joint;
   });

@@ -4,7 +4,7 @@ import { method, serve } from './parts/host.mjs';
 
 const R = await load('@dimforge/rapier3d-compat/dist/rapier.mjs');
 const log = console.warn;
-console.warn = () => {};                         // of its own use of a deprecated option
+console.warn = () => {};                         // Rapier itself uses a deprecated option
 await R.init();
 console.warn = log;
 const HINGE = 0b110111, FIRM = 1e9;               // all axes but rotation about x; gain of a drive
@@ -42,7 +42,7 @@ const CLAMPS = { max_rotation_per_step: Math.PI / 4, clamps_parts: true };
 
 serve({ name: 'rapier3d-js', version: R.version(), precision: 'single', stock_timestep: 1 / 60, open,
   body: (body) => ({ mass: body.mass(), com: xyz(body.localCom()), moments: xyz(body.principalInertia()), frame: wxyz(body.principalInertiaLocalFrame()) }),
-  // It tells neither locked axes of a general joint nor drives.
+  // Rapier reports neither the locked axes of a general joint nor drives: they are as described.
   joint: (joint, { locked, spin }) => ({ at: xyz(joint.anchor1()), here: xyz(joint.anchor2()), axis: rotated(wxyz(joint.frameX1()), X),
     locked: joint.type() === R.JointType.Revolute ? 5 : locked.filter(Boolean).length, driven: spin !== null }),
   acts: ({ world, bodies: [body, ...rotors] }) => ({ gravity: xyz(world.gravity).map((g) => g * body.gravityScale()), others: {

@@ -27,7 +27,10 @@ EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 
 @final
 class PinocchioSession(WorldSession):
-    """A session of one body in a Pinocchio model; its joint is at the pivot, or else at the com."""
+    """A session of one body in a Pinocchio model.
+
+    The body's joint is at the point that is held, or at the com of a free body.
+    """
 
     def world_body(self) -> WorldBody:
         """Return the body as the model holds it, relative to its joint."""
@@ -113,7 +116,7 @@ class PinocchioSession(WorldSession):
 
 @final
 class Pinocchio(WorldEngine):
-    """The library Pinocchio, with the body on a free-flyer joint, or spherical at its pivot."""
+    """The library Pinocchio, with the body on a free-flyer joint, or on a spherical one if held."""
 
     session = PinocchioSession
     name = "pin"

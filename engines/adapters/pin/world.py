@@ -13,7 +13,10 @@ STAGES = ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0))
 
 
 class World:
-    """One body, on a spherical joint at its pivot or on a free-flyer joint at its com.
+    """One body on a free-flyer joint at its com, or on a spherical joint where it is held.
+
+    On a table the spherical joint is on two slides. Rotors are on revolute joints; a locked one is
+    part of the body.
 
     Parameters
     ----------

@@ -29,7 +29,8 @@ EMPTY_MARGIN = 0.001
 def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) -> frozenset[str]:
     """Return names of the effects that act, and descriptions of anything else that acts.
 
-    The measurements change the body's state, and switch PyBullet's defaults off.
+    The measurements change the body's state, switch gravity and some of PyBullet's defaults off,
+    and remove the plane under a body on a contact.
 
     Parameters
     ----------

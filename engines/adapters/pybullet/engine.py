@@ -110,7 +110,16 @@ class PyBullet(Engine):
         return installed_version()
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Load the scene's URDF and set its start; return the session."""
+        """Load the scene's URDF and set its start; return the session.
+
+        Raises
+        ------
+        UnsupportedError
+            If the pivot of a rigid body cannot bear the load at the start, or if PyBullet would
+            take a mass, a moment or an inverse mass for zero, which is not checked as shipped.
+        EngineError
+            If PyBullet cannot load the scene, or warns.
+        """
         if REPRESENTATIONS[method.name].maximal and scenario.constraint.is_pivot:
             check_borne(scenario, start_state(scenario), timestep)
         return self.open_with(scenario, method, timestep)
@@ -125,9 +134,11 @@ class PyBullet(Engine):
         defaults: Collection[str] | None = None,
         description: Description = PLAIN,
     ) -> Session:
-        """Open a scene with parts left in or with another description; parameters as in `Engine`.
+        """Open a scene with parts, defaults or a description as given; parameters as in `Engine`.
 
-        A body that is described by its shape is a collision box.
+        A body that is described by its shape is a collision box, from which PyBullet computes the
+        inertia: only this default is then kept. Errors are raised as by `open`, but the load on the
+        pivot is not checked.
         """
         representation = REPRESENTATIONS[method.name]
         if description.shape:
@@ -168,7 +179,7 @@ class PyBullet(Engine):
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """Return a version of PyBullet with what it needs to be installed: up to 3.2.6, numpy 1."""
+    """Return a version of PyBullet with the packages that it needs; up to 3.2.6 that is numpy 1."""
     older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
     # Robots and meshes that come with the package, 142 MB.
     robots = ("pybullet_data",)

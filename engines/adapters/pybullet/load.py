@@ -63,11 +63,12 @@ def load(
     Raises
     ------
     UnsupportedError
-        If the body is so small that PyBullet would leave out terms.
+        If PyBullet would take a mass, a moment or an inverse mass of the body for zero; as shipped
+        this is not checked.
     EngineError
         If PyBullet cannot load the body.
     OSError
-        If its file cannot be written.
+        If one of its files cannot be written.
     """
     if not representation.as_shipped:
         _check_not_lost(scenario, representation)
@@ -112,9 +113,10 @@ def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str,
 
 
 def scenes_own(scenario: Scenario, representation: BodyRepresentation) -> dict[str, bytes]:
-    """Return the scene's URDF, by the name of its file.
+    """Return the scene's URDF as bytes, by the name of its file, which is `FILE`.
 
-    What holds the body is in the URDF only if the body hangs by a joint.
+    The URDF states what holds the body only if the body hangs by a joint. It has a collision sphere
+    if the body is on a contact, or if `SHAPE` is left in.
     """
     hung = representation.hangs(scenario)
     sphere: tuple[tuple[float, ...], float] | None = None

@@ -1,4 +1,4 @@
-"""A body in a PyBullet world, read and set in spincheck's frames."""
+"""A body in a PyBullet world, read and set in the axes of the scene's body."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ from .world import BASE, World
 
 #: Indices into what `getJointInfo` returns: axis, place and turn of a joint, and its parent link.
 AXIS, PLACE, TURN, PARENT = 13, 14, 15, 16
-#: Orders of a quaternion's components: PyBullet's of the scalar first, and back.
+#: Indices that take a quaternion's components from w x y z to PyBullet's x y z w, and back.
 XYZW, WXYZ = [1, 2, 3, 0], [3, 0, 1, 2]
 
 
@@ -67,10 +67,11 @@ class Model:
         self._arm, self._lever = self.body.com - self.link_com, self.body.com - joint_body
 
     def _read_body(self) -> BodyReading:
-        """Return all links as one body.
+        """Return all links as one body, with joints at angle 0, in the scene's body axes.
 
-        PyBullet keeps for each link its principal moments, the place of its joint in the axes of
-        the link before it, and its rotation relative to that link: joints are at angle 0.
+        PyBullet keeps for each link its principal moments; the place of its joint, from the com of
+        its parent link and along that link's principal axes; and the turn of its own principal axes
+        relative to those.
         """
         world, R_body_principal = self.world, self.body_from_principal.as_matrix()
         mass, _, moments, *_ = p.getDynamicsInfo(world.body, world.link, world.client)
@@ -95,12 +96,12 @@ class Model:
         return with_rotors(parts, axes_of_rotors)
 
     def read_state(self) -> State:
-        """Return the present state, in spincheck's frames."""
+        """Return the present state, in the scene's body axes."""
         rows = np.concatenate([*self.world.motion(), self.world.spins()])[None]
         return self.states(rows).rows(0)
 
     def states(self, rows: FloatArray) -> State:
-        """Return the states of n readings, in spincheck's frames.
+        """Return the states of n readings, in the scene's body axes.
 
         Parameters
         ----------
@@ -137,8 +138,8 @@ class Model:
     def motion(self, state: State) -> dict[str, Any]:
         """Return a state as `World.restart` takes it.
 
-        If the body hangs by a joint, that joint is turned. Its angle is counted along the principal
-        axes.
+        If the body hangs by a joint, the joint in the world is turned to the state, and stays so:
+        the motion has the joint's attitude as PyBullet then holds it, along the principal axes.
         """
         world, times_q_body_principal = self.world, times(self._q_body_principal)
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
@@ -162,9 +163,10 @@ class Model:
         }
 
     def in_its_axes(self, scenario: Scenario) -> dict[str, Any]:
-        """Return the entries of the record that only `World.set_up` needs.
+        """Return the entries of the record that are known only once the body is loaded.
 
-        They are the start and the torque along the principal axes that PyBullet has found.
+        They are the principal axes that PyBullet has found, the pivot and the torque in the body
+        along these axes, and the motion at the start, as `World.restart` takes it.
         """
         start, is_pivot = scenario.start, scenario.constraint.is_pivot
         is_base, principal_from_body = self.world.link == BASE, self.body_from_principal.inv()

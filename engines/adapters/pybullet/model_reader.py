@@ -20,7 +20,7 @@ UNSTATED = {"nothing stated": Advice("PyBullet then fixes a root in the world")}
 DEFAULT, FROM_FILE = "default", "inertia-from-file"
 #: Pattern of the first words of what PyBullet prints: file and line of its source.
 _HEAD = re.compile(r"b3(?:Warning|Error|Printf)\[[^\]]*\]:\n?")
-#: Indices into what `getJointInfo` returns, of numbers that are bytes.
+#: Index of the link's name, as bytes, in what `getJointInfo` returns.
 LINK_NAME = 12
 
 

@@ -24,7 +24,7 @@ SLACK = 16 * PROBE_STEP
 class Probe:
     """A body that is set to a motion and takes one step, to measure what acts on it.
 
-    Gravity is switched off.
+    A probe switches gravity off, and gives the rotors a slow spin.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ DEFAULT_CLAMP = 100.0
 IDLE = 2.0**-60
 #: Relative slack, as a clamped velocity is read back through a rotation, with rounding errors.
 ROTATED = 8 * float(np.finfo(float).eps)
-#: Marks of warnings in what PyBullet prints.
+#: What PyBullet prints before a warning.
 WARNING = "b3Warning"
 
 
@@ -63,7 +63,7 @@ class PyBulletSession(Session):
 
     @property
     def can_restart(self) -> bool:
-        """Whether the body lies on no contact, of which Bullet would keep the earlier impulses."""
+        """Whether no contact holds the body, since Bullet would keep its earlier impulses."""
         return self.world.scene["plane"] is None
 
     @property
@@ -75,7 +75,7 @@ class PyBulletSession(Session):
         """Set pose and velocities; a body held by a constraint may also be set beside its pivot.
 
         It raises `UnsupportedError` if the pivot of a rigid body cannot bear the load in that
-        state.
+        state, and `EngineError` if PyBullet is interrupted.
         """
         timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
@@ -138,7 +138,7 @@ class PyBulletSession(Session):
         return pack(f"{len(numbers)}d", *numbers)
 
     def states(self, snapshots: Sequence[bytes]) -> State:
-        """Return the states of n snapshots, in spincheck's frames."""
+        """Return the states of n snapshots, in the scene's body axes."""
         rows = np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
         return self.model.states(rows)
 
@@ -155,7 +155,10 @@ class PyBulletSession(Session):
         return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, read back or measured: see `audit`."""
+        """Return what acts on the body, read back or measured by steps: see `what_acts`.
+
+        The measurements change the body's state and PyBullet's settings.
+        """
         return what_acts(self.advance, self.model, self._scenario)
 
     def close(self) -> None:

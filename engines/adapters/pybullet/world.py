@@ -48,8 +48,9 @@ def calls(steps, timestep):
 class World:
     """One body in a PyBullet world of its own.
 
-    It is loaded in its start pose: a rigid body keeps its inertia in world axes during a step. The
-    record of its scene is also one of its motion, as `restart` takes it.
+    It is loaded in its start pose, because PyBullet turns a rigid body's inertia to world axes only
+    at the end of a step. The record of the scene also has the keys of a motion, and so can be given
+    to `set_moving` for the start.
 
     Parameters
     ----------
@@ -141,8 +142,8 @@ class World:
     def set_motor(self, gain):
         """Set the gain of the motor that holds a spherical joint's velocity at zero.
 
-        A gain of one number, 0, removes the motor; three keep it in the solver without a force. A
-        motor that was removed cannot be added again.
+        As `gain`, the number 0 removes the motor, and three zeros keep it in the solver, without a
+        force. A motor that was removed cannot be added again.
         """
         self.control(
             p.POSITION_CONTROL,
@@ -221,7 +222,10 @@ class World:
         self.set_spins(motion["spins"])
 
     def turn_joint(self, turn, omega):
-        """Set the attitude of the joint that the body hangs by, x y z w, and its ω, rad/s."""
+        """Set the attitude of the joint that the body hangs by, x y z w, and its ω, rad/s.
+
+        Both are along the principal axes.
+        """
         p.resetJointStateMultiDof(self.body, self.link, turn, omega, physicsClientId=self.client)
 
     def set_spins(self, spins):
@@ -317,7 +321,8 @@ class World:
     def motion(self):
         """Return com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
 
-        A link's motion is computed anew: PyBullet's cached values are one step old.
+        They are those of the base or, if the body hangs by a joint, of its link, without rotors. A
+        link's motion is computed anew: PyBullet's cached values are one step old.
         """
         if self.link == BASE:
             com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)

@@ -5,7 +5,7 @@ import rapier3d
 
 from ...world_parts import is_pushed, matrix, push, quaternion, rotor_tensor
 
-#: Gain of a drive, in steps: the drive allows no change of the spin.
+#: Gain of a drive, so large that the drive allows no change of the spin.
 FIRM = 1e9
 #: Natural frequency of a joint's spring, Hz. Rapier's own, 1e6, is felt by steps of a microsecond.
 RIGID = 1e12
@@ -32,7 +32,7 @@ def is_soft(joint):
 
 
 class World:
-    """A body, its rotors, the joint that holds the body if it is not free, and rotors' hinges.
+    """One body, the joint that holds it unless it is free, and its rotors with their hinges.
 
     Parameters
     ----------

@@ -1,4 +1,5 @@
-// What a scene is built and stepped with, whatever the engine; the packages are in the folder of the argument.
+// Functions that build and step a scene in any engine. The folder of the npm packages is the first
+// argument on the command line.
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -14,7 +15,8 @@ export const wxyz = ({ w, x, y, z }) => [w, x, y, z];
 export const plus = (a, b, k = 1) => a.map((x, i) => x + k * b[i]);
 const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
 const cross = ([x, y, z], v) => [y * v[2] - z * v[1], z * v[0] - x * v[2], x * v[1] - y * v[0]];
-// A quaternion w x y z: a vector turned by it, it after another, and back.
+// For quaternions w x y z: `rotated` turns a vector by one, `after` is the product, the turn by the
+// first after that by the second, and `back` is the conjugate.
 export const rotated = ([w, ...u], v) => { const c = cross(u, v).map((x) => 2 * x); return plus(plus(v, c, w), cross(u, c)); };
 export const after = ([w, ...u], [s, ...v]) => [w * s - dot(u, v), ...plus(plus(cross(u, v), v, w), u, s)];
 export const back = ([w, ...u]) => [w, ...u.map((x) => -x)];
@@ -26,7 +28,8 @@ function toAxis([x, y, z]) {
   return q.map((part) => part / Math.hypot(...q));
 }
 
-// The rigid bodies of a scene, each along its principal axes and from its com: the body, then its rotors, their axes along x.
+// The rigid bodies of a scene, as mass, moments and motion: the body, then its rotors. The axes of
+// each are its principal axes, and its origin is its com; a rotor turns about its x axis.
 export function bodiesOf({ mass, moments, q, com, velocity, omega, rotors = [], spins = [] }) {
   return [{ mass, moments, q, com, velocity, omega }, ...rotors.map(({ axis, place, mass, inertia: [across, along] }, k) => {
     const arm = rotated(q, place);
@@ -35,9 +38,13 @@ export function bodiesOf({ mass, moments, q, com, velocity, omega, rotors = [], 
   })];
 }
 
-// Its joints, by the axes that each locks: of place along x, y, z of the parent's frame, then of rotation about them. Of a pivot
-// or table, first, the parent is the world (-1) and a rotor's is the body (0); `at` and `turn` are of the joint's axes in the
-// parent, `x` and `y` along them, `here` of its place in the child, along whose own axes they start; `spin` is of a drive.
+// The joints of a scene: first that of a pivot or table, if there is one, then the rotors' hinges.
+// parent, child: indices in `bodiesOf`; the parent of a pivot or table is the world, -1.
+// at, turn: place, m, and attitude, w x y z, of the joint's frame in the parent.
+// x, y: the first two axes of that frame, unit vectors in the parent.
+// here: place, m, of the joint's frame in the child; its axes there are the child's own.
+// locked: whether it locks translation along x, y, z of the parent's frame, then rotation about them.
+// spin: the spin that a drive keeps, rad/s; null without a drive.
 export function jointsOf({ arm, slides = [], height = 0, rotors = [], spins = [] }) {
   const joint = (parent, child, at, turn, here, locked, spin = null) =>
     ({ parent, child, at, turn, x: rotated(turn, X), y: rotated(turn, Y), here, locked, spin });
@@ -53,8 +60,12 @@ function push({ torque_world: t, torque_body: b, drag }) {
   return (q, omega) => plus(plus(t, rotated(q, b)), omega, -drag);
 }
 
-// Reads the motion, from a body's place in `bodiesOf` to its q, omega, com, velocity; takes steps one by one, each after the
-// scene's torques at the state then.
+// Returns functions of a scene that was built: `motion` as given, `state()`, which returns the motion
+// of the body and the rotors' spins, and `advance(steps)`.
+// motion(k): q, omega, com and velocity of the body with index k in `bodiesOf`.
+// apply(torque): applies a torque, N m, world axes, to the body for the next step; called before each
+// step, if the scene has torques, with those at the present state.
+// step(): takes one step.
 export function stepped(scene, motion, apply, step) {
   const torque = push(scene), { rotors = [] } = scene;
   const state = () => {

@@ -1,8 +1,9 @@
-// The gravity that a body in Havok feels.
+// Measures the gravity that bodies in Havok feel.
 import { HERE, X, Y } from './building.mjs';
 
-// Of the world's gravity Havok tells nothing: other bodies feel it, which move, for below 0.1 m/s it takes 3 % off.
-// Along what a body moves by, its gain is rounded: each component is felt by one that moves across it.
+// Havok does not report the world's gravity, so two probes measure it by the velocity that they gain
+// in a step, m/s². They move, because below 0.1 m/s a body feels gravity 3 % too weak. Each component
+// is measured by a probe that moves across it, because the gain along the motion is rounded.
 export function gravityFelt(H, world, timestep) {
   const [alongX, alongY] = [X, Y].map((velocity) => {
     const probe = H.HP_Body_Create();

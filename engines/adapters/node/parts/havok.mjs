@@ -1,5 +1,6 @@
-// Havok's calls with their result codes looked at.
-// Each call of the module gives a code, [code, value] or [code, value, …]: here the value or values, or it throws.
+// Havok's calls, whose result codes are checked.
+// Each call of the module returns a code, [code, value] or [code, value, …]. Each call of `checked`
+// returns nothing, the value, or an array of the values; it throws if the code is not RESULT_OK.
 export const checked = (module) => new Proxy(module, { get: (_, name) => {
   const call = module[name];
   if (!String(name).startsWith('HP_')) return call;

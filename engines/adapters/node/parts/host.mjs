@@ -13,7 +13,7 @@ const isZero = (v) => v.every((x) => x === 0);
 // What a joint is by the number of axes that it locks.
 const KINDS = { 1: 'table', 3: 'pivot', 5: 'rotors', 6: 'rotors' };
 
-// The joints as the engine holds them, that of a pivot or table apart from the rotors' hinges.
+// The joints as the engine holds them: that of a pivot or table, or null, then the rotors' hinges.
 function jointsIn(held, scene, joint) {
   const described = jointsOf(scene), found = held.joints.map((one, k) => joint(one, described[k]));
   return scene.arm ? found : [null, ...found];
@@ -29,7 +29,8 @@ function composed(held, scene, body, joint) {
   }) };
 }
 
-// Names of what acts: from gravity and joints as the engine holds them, our own torques, and words for the rest.
+// Names of what acts: gravity and joints as the engine holds them, the scene's torques, which are
+// applied from here and assumed to act, and `others`, descriptions of anything else.
 function acting(held, scene, { gravity, others = {} }, joint) {
   const alike = gravity.every((x, i) => Math.abs(x - scene.gravity[i]) <= SINGLE * Math.hypot(...scene.gravity));
   const [base, ...hinges] = jointsIn(held, scene, joint), { rotors = [] } = scene;
@@ -44,11 +45,17 @@ function acting(held, scene, { gravity, others = {} }, joint) {
   return Object.keys(found).filter((name) => found[name]);
 }
 
-// An engine has open(scene, method, timestep) → what it holds: bodies, joints, motion, state, advance, close. It reads
-// body(one), in that one's own axes; joint(one, as described): at, here, axis, locked (a number), driven; acts(held): gravity, others.
+// Answers calls until the input ends. An engine's own functions are:
+// open(scene, method, timestep): builds the scene, and returns `held`: bodies, joints, motion, state,
+// advance and close, and what `acts` needs.
+// body(one): mass, com, moments and frame of one of the bodies, in its own axes.
+// joint(one, described): at, here, axis, locked, the number of locked axes, and driven, whether there
+// is a drive; `described` is the joint's entry in `jointsOf`.
+// acts(held): gravity, m/s², and others, whether anything else acts, by its description.
+// All other arguments are the engine's description in the protocol, the answer to `hello`.
 export async function serve({ open, body, joint, acts, ...engine }) {
   let held = null, opened = null, scene = null;
-  // A world is built in less time than an engine takes to forget: a restart is a new one.
+  // A restart builds a new world, which takes less time than to make an engine forget its steps.
   const build = (call) => { held?.close(); opened = call; scene = call.scene; held = open(scene, call.method, call.timestep); };
   const answers = {
     hello: () => ({ protocol: 1, restart: true, ...engine }),
