@@ -18,6 +18,7 @@ from ...world_session import WorldBatch, WorldSession
 #: Effects that Brax can simulate. Its forces act along coordinates of joints, and neither a free
 #: joint nor the three hinges of a pivot take the scene's torques.
 EFFECTS = frozenset({"gravity", "pivot"})
+#: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
 
 

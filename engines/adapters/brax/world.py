@@ -46,8 +46,8 @@ MJCF = """\
 #: it.
 HINGES = "".join(f'<joint axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
 #: The axes of the frame in which the hinges are, in columns, world axes. The hinges are singular
-#: where the body's third axis is along the first column. So this column is along no axis of the
-#: world: along one of them, the third axes of tops often start.
+#: where the body's third axis is along the first column. This column is along no axis of the world,
+#: since at the start the third axis of a top often is.
 FRAME = np.array([[1, 1, 1], [1, -1, 1], [1, 0, -2]]) / np.sqrt([3, 2, 6])
 
 
@@ -80,7 +80,7 @@ def mjcf(scene, options):
 
 
 def angles(R):
-    """Return the angles of three hinges about x, y and z, rad, that make up a rotation matrix."""
+    """Return the angles, rad, (3,), at which hinges about x, y and z make up a rotation matrix."""
     return np.array(
         [
             np.arctan2(-R[1, 2], R[2, 2]),

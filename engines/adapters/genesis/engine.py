@@ -26,6 +26,7 @@ from ...world_session import RecordBatch, WorldSession
 from .caches import kernels_kept
 from .model_reader import GenesisModelReader
 
+#: Relative rounding of numbers in single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
 SETUP = """\
 rigid = gs.options.RigidOptions(integrator=gs.integrator.{}, disable_constraint=True)
@@ -109,7 +110,7 @@ NOT_FINITE = "causing 'nan'"
 
 @contextmanager
 def errors_told() -> Iterator[None]:
-    """Raise what Genesis raises in the block as `EngineError`."""
+    """Raise exceptions of Genesis's own type inside the block as `EngineError`."""
     genesis = import_module("genesis")
     try:
         yield

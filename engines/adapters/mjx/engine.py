@@ -23,6 +23,7 @@ def _method(name: str, order: int, summary: str) -> Method:
     return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 
+#: Methods in both precisions, without the passes that a scene does not need.
 CLEAN = (
     _method("Euler", 1, "semi-implicit Euler, joint damping implicit"),
     _method("implicitfast", 1, "implicit in velocity, without gyroscopic terms"),

@@ -72,6 +72,10 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
     """Return names of the effects that act, and descriptions of anything else that is switched on.
 
     An effect whose strength differs from the scene's is described too.
+
+    Parameters
+    ----------
+    model, data : MuJoCo's model and data, or those of a port with the same field names
     """
     strengths, others = read_strengths(model)
     drag = strengths["drag"]

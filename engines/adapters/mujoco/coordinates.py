@@ -73,7 +73,10 @@ class CoordinateSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing: on a ball joint alone, or if the point is the com."""
+        """Whether a restart rounds nothing.
+
+        It does not on a ball joint without slides, nor if the coordinates are those of the com.
+        """
         return bool(self._on_pivot or not self._arm_body.any())
 
     @property

@@ -64,7 +64,7 @@ def _model(users: UsersLink) -> Any:
 
 
 def _of_urdf(users: UsersLink) -> Any:
-    """Return the compiled model of a link's URDF, which needs no shapes: it states the inertia."""
+    """Return the compiled model of a link, by the inertia that its URDF states, without shapes."""
     text, _ = body_alone(users.model, users.body)
     spec = spec_of_urdf(text.decode(errors="replace"))
     free(spec.body(users.body.host.name))

@@ -13,6 +13,7 @@ from spincheck.engine import Method, Scenario
 from ...scene_record import ABOUT, scene_record
 
 HERE = Path(__file__).parent
+#: Pattern of an import from the folder `parts`: the names, and the file.
 _IMPORT = re.compile(r"^import \{ (.+) \} from '\./(parts/[\w-]+\.mjs)';\n", re.MULTILINE)
 #: Pattern of the function that builds the scene, up to its last line.
 _OPEN = re.compile(r"^function open\(.*?^\}\n", re.MULTILINE | re.DOTALL)

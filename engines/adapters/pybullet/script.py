@@ -49,9 +49,10 @@ p.changeDynamics(body, -1, maxJointVelocity=1e100)
 
 
 def script(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> str:
-    """Return a Python script of a run, with the record that a session of the scene ends up with.
+    """Return a Python script of a run, with the scene's record.
 
-    It raises `EngineError` if no such session can be opened.
+    A session is opened to complete the record, since PyBullet itself finds the principal axes. It
+    raises `EngineError` if PyBullet cannot load the scene.
     """
     with PyBulletSession(scenario, representation, timestep) as session:
         entries = [f'    "{key}": {value!r},' for key, value in session.world.scene.items()]

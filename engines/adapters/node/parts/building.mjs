@@ -43,7 +43,8 @@ export function bodiesOf({ mass, moments, q, com, velocity, omega, rotors = [], 
 // at, turn: place, m, and attitude, w x y z, of the joint's frame in the parent.
 // x, y: the first two axes of that frame, unit vectors in the parent.
 // here: place, m, of the joint's frame in the child; its axes there are the child's own.
-// locked: whether it locks translation along x, y, z of the parent's frame, then rotation about them.
+// locked: for each axis, whether it is locked: translation along x, y and z of the joint's frame in
+// the parent, then rotation about them.
 // spin: the spin that a drive keeps, rad/s; null without a drive.
 export function jointsOf({ arm, slides = [], height = 0, rotors = [], spins = [] }) {
   const joint = (parent, child, at, turn, here, locked, spin = null) =>
@@ -60,11 +61,11 @@ function push({ torque_world: t, torque_body: b, drag }) {
   return (q, omega) => plus(plus(t, rotated(q, b)), omega, -drag);
 }
 
-// Returns functions of a scene that was built: `motion` as given, `state()`, which returns the motion
-// of the body and the rotors' spins, and `advance(steps)`.
+// Returns functions of a scene that was built: `motion` as given; `state()`, which returns the
+// motion of the body and the rotors' spins; and `advance(steps)`.
 // motion(k): q, omega, com and velocity of the body with index k in `bodiesOf`.
-// apply(torque): applies a torque, N m, world axes, to the body for the next step; called before each
-// step, if the scene has torques, with those at the present state.
+// apply(torque): applies a torque, N m, world axes, to the body for the next step; called before
+// each step, if the scene has torques, with those at the present state.
 // step(): takes one step.
 export function stepped(scene, motion, apply, step) {
   const torque = push(scene), { rotors = [] } = scene;

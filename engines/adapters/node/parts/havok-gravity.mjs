@@ -1,9 +1,9 @@
 // Measures the gravity that bodies in Havok feel.
 import { HERE, X, Y } from './building.mjs';
 
-// Havok does not report the world's gravity, so two probes measure it by the velocity that they gain
-// in a step, m/s². They move, because below 0.1 m/s a body feels gravity 3 % too weak. Each component
-// is measured by a probe that moves across it, because the gain along the motion is rounded.
+// Returns the gravity, m/s². Havok does not report it, so two probes measure it by the velocity
+// that they gain in a step. They move, because below 0.1 m/s a body feels gravity 3 % too weak.
+// Each component is measured by a probe that moves across it, as the gain along the motion is rounded.
 export function gravityFelt(H, world, timestep) {
   const [alongX, alongY] = [X, Y].map((velocity) => {
     const probe = H.HP_Body_Create();

@@ -46,11 +46,11 @@ function acting(held, scene, { gravity, others = {} }, joint) {
 }
 
 // Answers calls until the input ends. An engine's own functions are:
-// open(scene, method, timestep): builds the scene, and returns `held`: bodies, joints, motion, state,
-// advance and close, and what `acts` needs.
+// open(scene, method, timestep): builds the scene, and returns `held`: bodies, joints, motion,
+// state, advance and close, and what `acts` needs.
 // body(one): mass, com, moments and frame of one of the bodies, in its own axes.
-// joint(one, described): at, here, axis, locked, the number of locked axes, and driven, whether there
-// is a drive; `described` is the joint's entry in `jointsOf`.
+// joint(one, described): at, here, axis, locked, the number of locked axes, and driven, whether
+// there is a drive; `described` is the joint's entry in `jointsOf`.
 // acts(held): gravity, m/s², and others, whether anything else acts, by its description.
 // All other arguments are the engine's description in the protocol, the answer to `hello`.
 export async function serve({ open, body, joint, acts, ...engine }) {
