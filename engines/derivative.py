@@ -47,16 +47,20 @@ def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
 def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
     """Return derivatives of turn and ω, (6, n), given those of a quaternion and ω, (7, n).
 
-    δθ is twice the vector part of q̄ δq. A change of the quaternion's norm is no change.
+    δθ is twice the vector part of q̄ δq. A change of the quaternion's norm alone gives δθ = 0.
     """
     turn = 2 * _product_matrix(q_wxyz).T @ numbers[:QUATERNION] / (q_wxyz @ q_wxyz)
     return np.vstack([turn, numbers[QUATERNION:]])
 
 
 def along(R: FloatArray, derivative: FloatArray) -> FloatArray:
-    """Return a derivative, (3 n, 3 m), in axes b, given in axes a; R takes components a to b.
+    """Return a derivative along axes b, (3 n, 3 m), given along axes a.
 
-    Rows and columns are vectors, three numbers each.
+    Every three rows, and every three columns, are the components of one vector.
+
+    Parameters
+    ----------
+    R : the matrix that takes components along axes a to components along axes b, (3, 3)
     """
     rows, columns = (np.kron(np.eye(n // 3), R) for n in derivative.shape)
     return np.asarray(rows @ derivative @ columns.T)

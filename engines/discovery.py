@@ -110,14 +110,17 @@ def _offered(value: str, point: str) -> list[Engine | Missing]:
 
 
 def _misdeclared(engine: Engine) -> str:
-    """Return as `misdeclared` does, which is imported only for engines of other packages."""
+    """Return what `misdeclared` returns; its module is imported only if it is needed.
+
+    That is for engines of other packages.
+    """
     from .declared import misdeclared
 
     return misdeclared(engine)
 
 
 def _missing(name: str, error: BaseException) -> Missing:
-    """Return an adapter that cannot be imported, with the reason in words."""
+    """Return the `Missing` of an adapter that cannot be imported, with the reason in words."""
     if isinstance(error, ModuleNotFoundError) and error.name:
         package = error.name.partition(".")[0]
         if package != "spincheck":
@@ -132,8 +135,8 @@ def _missing(name: str, error: BaseException) -> Missing:
 def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
     """Yield an instance of each engine class that a module, or a module of its package, defines.
 
-    Of a class for another version of the interface, or whose package is not installed, the reason
-    why it cannot be used is yielded instead.
+    A `Missing` with the reason is yielded instead if the class is for another version of the
+    interface, or if the engine's package is not installed.
     """
     for cls in vars(module).values():
         if (

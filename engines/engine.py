@@ -43,7 +43,8 @@ class Engine(Adapted, ABC):
     name : as users type it
     methods : what it can simulate with
     single_precision : whether it holds its state in floats of 24 bits
-    least_turn : rad a step below which its solver ignores that a constraint turns with the body
+    least_turn : rotation of the body in a step, rad, below which the engine's solver treats a
+        constraint as if it did not turn with the body
     stock_timestep : s, the default timestep; None where users have to set one
     step_seconds, steps_in : no longer read; adapters may still state them
     package : of an optional engine, the package that it needs, imported when a scene is opened
@@ -54,8 +55,8 @@ class Engine(Adapted, ABC):
     has_batches : whether `open_batch` is implemented
     restarts_batches : whether `Batch.restart` is implemented
     describes : names of the `Description.features` that `open_with` can write
-    varied : the argument of `open_with` by which it opens scenes, by the argument's name; empty for
-        an adapter, which opens scenes by `open`
+    varied : name and value of the argument that the engine passes to `open_with` whenever it opens
+        a scene; empty for an adapter, which opens scenes by `open`
     """
 
     interface: int
@@ -107,12 +108,27 @@ class Engine(Adapted, ABC):
         return ""
 
     def at_version(self, version: str) -> Release | None:  # noqa: ARG002
-        """Return another version of the engine; None if other versions are not supported."""
+        """Return what to install for a version of the engine, such as 3.1.6, and its methods.
+
+        It is None if other versions are not supported.
+        """
         return None
 
     @abstractmethod
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Compile the scene, with its effects and nothing else, and set its start."""
+        """Compile the scene, with its effects and nothing else, and set its start.
+
+        Parameters
+        ----------
+        timestep : s
+
+        Raises
+        ------
+        UnsupportedError
+            If the engine is known to simulate the scene wrongly.
+        EngineError
+            If the engine refuses the scene.
+        """
 
     def open_batch(
         self,
@@ -123,7 +139,8 @@ class Engine(Adapted, ABC):
         """Open many worlds that are stepped together, one for each of the scenes.
 
         Since version 2 of the interface. The scenes differ only in numbers; most are the same
-        scene.
+        scene. An engine that implements it says so with `has_batches`; without an implementation
+        it raises NotImplementedError.
         """
         raise NotImplementedError(f"{self.name} steps one world at a time.")
 
@@ -149,7 +166,9 @@ class Engine(Adapted, ABC):
         defaults: Collection[str] | None = None,
         description: Description = PLAIN,
     ) -> Session:
-        """Open a scene as `open` does, except for the one argument that is given.
+        """Open a scene as `open` does, but varied by one of the keyword arguments.
+
+        An engine that does not implement it raises NotImplementedError.
 
         Parameters
         ----------
@@ -281,7 +300,7 @@ def read_at_start(session: Session, scenario: Scenario) -> tuple[BodyReading, St
     Raises
     ------
     EngineError
-        If they cannot be read, or are of other shapes than the scene's.
+        If they cannot be read, or if their arrays have the wrong shapes.
     """
     kind, rotors = type(session).__name__, len(scenario.rotors.each)
     body, state = session.read_body(), session.read_state()

@@ -23,9 +23,8 @@ class Printed:
 def native_output() -> Iterator[Printed]:
     """Capture what Python or native code prints inside the block.
 
-    The yielded object has the text once the block has ended.
-
-    Not thread-safe: the descriptors belong to the whole process.
+    The yielded object has the text once the block has ended. Blocks must not run in several threads
+    at once, since the descriptors belong to the whole process.
     """
     printed = Printed()
     with ExitStack() as undo:

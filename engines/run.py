@@ -16,14 +16,16 @@ class Run:
     Attributes
     ----------
     outcome : ok, diverged, unsupported or failed
-    reason : reason of the outcome, in words; empty if ok, except that for an engine as shipped it
-        says how the engine differs from the scene
-    cause : the reason in a word
-    stopped_at : the time at which the run diverged or failed, s; else None
+    reason : reason of the outcome, in words. If the outcome is ok it is empty, or it says how
+        body, start or effects differ from the scene, where `Engine.run` tolerates differences
+    cause : the reason in a word; empty if `reason` is
+    stopped_at : the time of the first invalid sample, s; None if all samples are valid, or if the
+        run was refused before its first step or because of its effects
     trajectory : the valid samples, all of them before `stopped_at`; None if there are none
     steps : number of steps up to the last of these samples
     active : what the engine says acted on the body (names out of `scenarios.EFFECTS`, and anything
-        else the adapter found switched on)
+        else the adapter found switched on); empty if the run was not made, failed, or cannot be
+        audited
     """
 
     engine: str

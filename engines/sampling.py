@@ -15,9 +15,9 @@ from .run import Outcome
 from .session import Session
 
 #: States are checked in blocks: a check takes as long as thousands of steps, and hardly longer for
-#: many states than for few. A block has at least `FIRST_BLOCK` states and `BLOCK_STEPS` steps, and
-#: is as long as all blocks before it, up to `BLOCK` states. So the steps taken after an undetected
-#: fault at most double the run, or cost no more than a check.
+#: many states than for few. A block has at least `FIRST_BLOCK` states, about `BLOCK_STEPS` steps,
+#: and as many states as all blocks before it, but never more than `BLOCK` states. So the steps
+#: taken after an undetected fault at most double the run, or cost no more than a check.
 FIRST_BLOCK = 1 << 4
 BLOCK_STEPS = 1 << 14
 BLOCK = 1 << 11
@@ -61,6 +61,9 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     ------
     EngineError
         If states are not of the shapes that they must have.
+    OSError, MemoryError
+        If a step raises it, as the machine may be at fault. Any other error that a step raises
+        ends the run as failed.
     """
     parts: list[State] = []
     end = Sampled(NOTHING)
@@ -96,9 +99,10 @@ def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
 
 
 def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]:
-    """Return the snapshots of a block, and how it ended, without states.
+    """Return the snapshots of a block, and how the block ended, without states.
 
-    There are fewer snapshots than `strides`, the steps before each, if the engine stopped.
+    `strides` are the numbers of steps before each snapshot. If the engine stopped, there are fewer
+    snapshots than strides. `OSError` and `MemoryError` are not caught.
     """
     snapshots: list[Any] = []
     try:

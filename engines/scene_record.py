@@ -54,10 +54,15 @@ class HeldRotor(NamedTuple):
 
 
 class WorldBody(NamedTuple):
-    """A body as an engine holds it; kg, m, kg m².
+    """A body as an engine holds it, along the axes and from the origin of the engine's body.
 
-    `com`, and `arm`, the point where the body is held or None if it is free, are from the origin of
-    the engine's body, (3,); `inertia_com` is (3, 3).
+    Attributes
+    ----------
+    mass : kg, without the rotors
+    com : the com without the rotors, m, (3,)
+    inertia_com : the tensor about that com, kg m², (3, 3)
+    arm : the point where the body is held, m, (3,); None if it is free
+    rotors : the rotors that the body carries
     """
 
     mass: float
@@ -73,9 +78,10 @@ class RecordFrame:
 
     Attributes
     ----------
-    body_from_axes : takes components along the principal axes to body components
+    body_from_axes : takes components along the record's axes, which are the principal axes of the
+        body without rotors, to components along the scene's body axes
     com_body, held_body, whole_body : the com without rotors, the point that is held, and the com
-        with rotors, m, from the origin of the scene's body
+        with rotors, m, from the origin of the scene's body and along its axes, (3,)
     """
 
     body_from_axes: Rotation

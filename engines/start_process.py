@@ -31,14 +31,14 @@ _KILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 
 def start(command: Sequence[str], **options: Any) -> "subprocess.Popen[Any]":
-    """Start a process as `subprocess.Popen` does.
+    """Start a process as `subprocess.Popen` does, in a process group of its own.
 
     `kill` must be called for it, even when the process has ended.
 
     Raises
     ------
     OSError
-        If it cannot be started.
+        If the process or its guard cannot be started.
     """
     _guard.begin()
     process = subprocess.Popen(command, **_GROUPED, **options)

@@ -13,13 +13,16 @@ from .read_back import READ_BACK_SLACK, State
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The coefficients of one scene's equations of motion, SI, and its constraint."""
+    """The coefficients of one scene's equations of motion, in SI units, and its constraint."""
 
     scenario: Scenario
 
     @cached_property
     def inverse(self) -> FloatArray:
-        """Inverse of the tensor of inertia about the pivot, or the com if it has none, (3, 3)."""
+        """Inverse of the tensor of inertia about the pivot, 1/(kg m²), body axes, (3, 3).
+
+        It is about the com if the scene has no pivot.
+        """
         return np.asarray(np.linalg.inv(self.scenario.inertia), dtype=float)
 
     @cached_property
@@ -56,12 +59,12 @@ class Equations:
         return bears
 
     def bearable(self, states: State, others: State) -> State:
-        """Return n states, with those replaced in which the constraint's force is not allowed.
+        """Return n states, where each that the constraint cannot hold is replaced by another.
 
         Parameters
         ----------
         states : n states
-        others : n states; the k-th replaces the k-th of `states` if `bears` is false for it
+        others : n states; the k-th replaces the k-th of `states` where `bears` is false
         """
         bears = self.bears(states)[:, None]
         pairs = zip(states.columns, others.columns, strict=True)

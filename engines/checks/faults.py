@@ -77,8 +77,9 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
 def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
     """Yield a fault for the first state whose pivot is too far from the world's origin.
 
-    It is too far if it is further from the origin, where it should be, than from the com.
-    `arm_body` is the vector from the pivot to the com, m, (3,).
+    The pivot should be at the origin. It is too far if its distance from the origin is larger than
+    its distance from the com. `arm_body` is the vector from the pivot to the com, m, body axes,
+    (3,).
     """
     drift = norms(states.com_world - matrices(states.q_world_body_wxyz) @ arm_body)
     has_given_way = drift > np.linalg.norm(arm_body)

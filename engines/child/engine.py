@@ -108,6 +108,10 @@ def child_engine(command: Sequence[str], limit: float = ANSWER_LIMIT) -> ChildEn
     ------
     ProtocolError
         If the command cannot be started, or does not answer with a description.
+    EngineError
+        If it answers with an error.
+    OSError
+        If the system refuses to start a process.
     """
     child = taken(tuple(command), limit)
     try:

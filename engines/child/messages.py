@@ -98,7 +98,7 @@ class ChildMethod(ChildAnswer):
 
 
 class Hello(ChildAnswer):
-    """The engine's description of itself."""
+    """The engine's description of itself; docs/reference/engine-protocol.md explains the keys."""
 
     protocol: Protocol
     name: Name
@@ -119,12 +119,14 @@ class Hello(ChildAnswer):
 
 
 class ChildRigid(ChildAnswer):
-    """A rigid body as the engine holds it, in the axes of the scene's body and from its origin.
+    """A rigid body as the engine holds it, along the axes and from the origin of the engine's body.
 
     Attributes
     ----------
+    mass : kg
     com : m
-    moments, frame : kg m² along principal axes, and these axes' attitude in the body's, w x y z
+    moments : principal moments about the com, kg m²
+    frame : attitude of the principal axes in the axes of the engine's body, w x y z
     """
 
     mass: Number
@@ -140,7 +142,12 @@ class ChildRigid(ChildAnswer):
 
 
 class ChildPart(ChildRigid):
-    """A part that turns in the body (a rotor), at the start; `axis` is the axis of its hinge."""
+    """A part that turns in the body (a rotor), at the start.
+
+    Attributes
+    ----------
+    axis : the axis of its hinge, a unit vector along the body's axes; zeros if it is locked
+    """
 
     axis: Vector
 
@@ -150,7 +157,8 @@ class ChildBody(ChildRigid):
 
     Attributes
     ----------
-    arm : position of the point where the body is held, m; None if the body is free
+    arm : the point where the body is held, m, from the origin of the engine's body; None if the
+        body is free
     parts : the rotors, in the scene's order
     """
 
@@ -163,8 +171,9 @@ class StateRow(ChildAnswer):
 
     Attributes
     ----------
-    q : attitude, w x y z
-    omega, com, velocity : rad/s, m, m/s
+    q : attitude, w x y z, body to world
+    omega : angular velocity, rad/s
+    com, velocity : position, m, and velocity, m/s, of the com of the body without its rotors
     spins : angular velocities of the rotors about their axes, relative to the body, rad/s
     """
 

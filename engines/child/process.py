@@ -150,7 +150,8 @@ class ChildProcess:
         EngineError
             With the child's own message, if it answers with an error.
         ProtocolError
-            If the answer breaks the protocol; the child is then killed.
+            If the answer breaks the protocol, none comes in time, or the child has died. The child
+            is then killed, and all further calls raise the same error.
         """
         if self._broken is not None:
             raise self._broken
@@ -275,7 +276,12 @@ def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
     Parameters
     ----------
     command : the program and its arguments
-    limit : CPU time that an answer of a new process may take, s
+    limit : CPU time that an answer of a new process may take, s; an idle one keeps its own limit
+
+    Raises
+    ------
+    ProtocolError, OSError
+        If a new process cannot be started, as for `ChildProcess`.
     """
     idle = _idle.get(command, [])
     while idle:

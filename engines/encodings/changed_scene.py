@@ -204,17 +204,17 @@ class SceneChange:
         return _POLAR if self.is_mirrored else np.ones(3)
 
     def _polar(self, vector: Vector) -> Vector:
-        """Return a polar vector as mirrored, if the scene is."""
+        """Return a polar vector, mirrored if the scene is mirrored."""
         x, y, z = vector
         return (-x, y, z) if self.is_mirrored else (x, y, z)
 
     def _axial(self, vector: Vector) -> Vector:
-        """Return an axial vector, such as ω, as mirrored, if the scene is."""
+        """Return an axial vector, such as ω, mirrored if the scene is mirrored."""
         x, y, z = vector
         return (x, -y, -z) if self.is_mirrored else vector
 
     def _attitude(self, q: Quaternion) -> Quaternion:
-        """Return the quaternion of an attitude, w x y z, as mirrored, if the scene is."""
+        """Return the quaternion of an attitude, w x y z, mirrored if the scene is mirrored."""
         w, x, y, z = q
         return (w, x, -y, -z) if self.is_mirrored else q
 

@@ -20,8 +20,8 @@ from ...scenarios.principal import principal_axes
 
 #: A rotation of a frame about none of its axes; of norm 1 to the last digit.
 TURN: Quaternion = (mpf("0.8"), mpf("0.2"), mpf("0.4"), mpf("-0.4"))
-#: Place of frames that are off the body's frame, in the body's largest radius of gyration: a body
-#: of 7 cm has such frames 0.39 m away.
+#: Place of frames that are off the body's frame, in units of the body's largest radius of gyration:
+#: a body with one of 7 cm has such frames 0.38 m away.
 AWAY = (mpf("4.2"), mpf("-2.8"), mpf("2.1"))
 #: Gravity, m/s², that acts in the model and is compensated by forces.
 COMPENSATED = (0.0, 0.0, -9.81)
@@ -41,8 +41,10 @@ class Description:
         "thirds", two or three bodies that share the mass, the others welded to the first
     full_tensor : whether the tensor is written whole, not along its principal axes
     shape : whether the model has a box of the body's inertia and states no inertia itself
-    joint : the joint that the body moves by; `aligned` is a free joint along the inertial frame,
-        which the model has shifted and turned against the body's frame
+    joint : what the body moves by: the engine's "own" joint for the scene; "aligned", a free joint
+        along the inertial frame, which the model has shifted and turned against the body's frame;
+        "slides and ball", three slides and a ball joint in place of a free joint; or "hinges",
+        three hinges in place of a ball joint
     compensated : whether gravity acts although the scene has none, and is compensated
     urdf : whether the model is URDF, for an engine that has another language of its own
     """

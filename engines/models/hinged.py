@@ -16,9 +16,9 @@ def hinged(
 ) -> tuple[FloatArray, FloatArray]:
     """Return coordinates and velocities of a body on three hinges, given those on a ball joint.
 
-    The given coordinates end with a quaternion w, x, y, z, and the given velocities with ω in body
-    axes; angles and rates of the hinges replace them.
-    R = Rz(a) Ry(b) Rx(c), so that ω = M (ȧ, ḃ, ċ) with M of the angles (Diebel 2006, §5.6.12).
+    The given coordinates end with a quaternion w, x, y, z, and the given velocities with ω, rad/s,
+    body axes. They are replaced by angles, rad, and rates, rad/s, of the hinges about z, y and x:
+    R = Rz(a) Ry(b) Rx(c) and ω = M (ȧ, ḃ, ċ), where M depends on the angles (Diebel 2006, §5.6.12).
     """
     place, q = np.split(np.asarray(qpos, dtype=float), [-QUATERNION])
     speed, omega_body = np.split(np.asarray(qvel, dtype=float), [-ANGLES])
@@ -32,7 +32,7 @@ def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray
 
     Parameters
     ----------
-    qpos, qvel : n rows that end with the angles, rad, and rates, rad/s, of three hinges
+    qpos, qvel : n rows that end with the angles, rad, and rates, rad/s, of hinges about z, y and x
     """
     angles = qpos[:, -ANGLES:]
     q = Rotation.from_euler("ZYX", angles).as_quat(scalar_first=True)

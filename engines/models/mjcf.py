@@ -173,7 +173,7 @@ def armature(rotor: Rotor) -> float:
 
 
 def _add_inertia(element: ET.Element, body: Body, description: Description = PLAIN) -> None:
-    """Add a body's inertia to an element, as numbers or as a box of a density."""
+    """Add a body's inertia to an element, as numbers or as a box of uniform density."""
     frame = principal_frame(body)
     pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
     if description.joint == "aligned":

@@ -9,7 +9,8 @@ from ...scenarios import Scenario
 from ...scenarios.scenario import with_tables
 from .text import decimals, xml_text
 
-#: Radius of the sphere that stands for a tip that is a point, in levers; the plane is lower by it.
+#: Radius of the sphere that replaces a tip that is a point, as a share of the distance from tip to
+#: com. The plane is lowered by this radius, so that the tip keeps its height.
 SHARE_OF_LEVER = 0.25
 #: Height by which the plane is raised, relative to the sphere's radius, so that rounding never
 #: leaves the start off it.

@@ -13,8 +13,8 @@ from ...scenarios.principal import IDENTITY, principal_axes
 
 #: Number of bodies whose frame is kept: every run of a scene needs it.
 KEPT = 64
-#: If the cosine of the pitch is below this, roll and yaw turn about one axis and only their sum is
-#: defined. It has half the working digits: entries of the rotation are accurate to all of them.
+#: If the cosine of the pitch is below this, roll and yaw turn about one axis, and only their sum or
+#: difference is defined. Its exponent is half the number of working digits.
 GIMBAL_LOCK = mpf(10) ** (-DIGITS // 2)
 
 

@@ -63,7 +63,8 @@ def urdf(
     ----------
     thickness : relative amount by which the largest moment stays below the sum of the others, for
         a reader that refuses an entirely flat body (see `principal_frame`)
-    sphere : centre and radius of a collision sphere, m, body axes
+    sphere : centre, m, from the body's origin, body axes, and radius, m, of a collision sphere;
+        None for no sphere
     has_box : whether to add a collision box: the uniform box with the body's tensor
     description : how the body is written: its parts, and whether tensors are whole
     is_loose : whether even a held body is the only link, because the adapter holds it in another
@@ -214,7 +215,7 @@ def _add_joint(
     """Add a joint between two links, parent and child; `place` is in m, `rpy` in rad.
 
     `kind` is URDF's type of joint; `place` and `rpy` are those of the child's frame in the
-    parent's, and `axis` is along the child's.
+    parent's, and `axis` has components along the axes of the child's frame.
     """
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
     ET.SubElement(joint, "parent", link=links[0])

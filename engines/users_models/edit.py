@@ -32,7 +32,7 @@ def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark:
     comment = f"<!-- {remark} -->".encode() if remark else b""
     inertials = inertials_of(element)
     if not inertials or inertials[0][1]:
-        # One in a frame is replaced by one of the body's own.
+        # An inertial inside a <frame> is replaced by one that is a child of the body itself.
         line = inertial_line(body, model.format).encode()
         gone = [(inertial.span, b"") for inertial, _ in inertials]
         return [_inside(model.data, element, comment + line), *gone]
@@ -82,14 +82,17 @@ def inertial_line(body: BodyReading, form: str = "urdf") -> str:
 
 
 def _of_mjcf(body: BodyReading) -> dict[str, str]:
-    """Return the attributes of an MJCF's `<inertial>`; MuJoCo refuses a full tensor of zeros."""
+    """Return the attributes of an MJCF's `<inertial>` that state a body.
+
+    A tensor of zeros is written as `diaginertia`, since MuJoCo refuses it as `fullinertia`.
+    """
     zero = {"diaginertia": "0 0 0"}
     tensor = {"fullinertia": decimals(_entries(body).values())} if body.inertia_com.any() else zero
     return {"pos": decimals(body.com), "mass": decimals([body.mass])} | tensor
 
 
 def _entries(body: BodyReading) -> dict[str, float]:
-    """Return the entries of a tensor by their axes, in MJCF's order."""
+    """Return the entries of the tensor about the com, kg m², by their axes, in MJCF's order."""
     tensor = body.inertia_com
     order = ("xx", "yy", "zz", "xy", "xz", "yz")
     return {axes: float(tensor["xyz".index(axes[0]), "xyz".index(axes[1])]) for axes in order}

@@ -59,10 +59,12 @@ class ModelReader(ABC):
 
     Attributes
     ----------
+    name : as users type it
     formats : the formats of files that it reads
     configurations : the ways in which users let it read a file
-    refusals : what makes the engine accept a file that it refuses, by words in its reason: advice
-        for each kind of links that may be the reason
+    refusals : advice that makes the engine accept a file that it has refused. A key is a text that
+        occurs in the engine's message; its value has one piece of advice for each kind of link
+        that may have caused the refusal (`Advice.concerns`)
     is_optional : whether it reads files only if the user names it
     """
 
@@ -99,7 +101,8 @@ class FileEngine(Engine):
 
     Attributes
     ----------
-    reader : how the engine reads whole files; its configurations have the names of methods, if any
+    reader : how the engine reads whole files; where a configuration reads files as a method of the
+        engine does, it has the method's name
     """
 
     interface = 1

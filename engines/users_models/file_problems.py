@@ -15,8 +15,9 @@ IMPOSSIBLE = frozenset(
 )
 #: Relative rounding error of the eigenvalues of a tensor, in ulp.
 ROUNDING = 16 * float(np.finfo(float).eps)
-#: Part of the shapes' size by which a link's mass may lie outside them: shapes are made for looks
-#: and for speed, and a doubtful tensor is rarely off by less.
+#: Factor by which the shapes are enlarged before a link's mass must fit into them. Shapes are made
+#: for looks and for speed, so that mass may lie a little outside; a doubtful tensor is rarely off
+#: by so little.
 SHAPE_SLACK = 1.1
 #: Density of osmium, the densest element, kg/m³ (CRC Handbook of Chemistry and Physics, 97th ed.,
 #: §4).
@@ -104,7 +105,7 @@ def _placeholder(stated: Stated) -> Iterator[tuple[str, str]]:
 
 
 def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
-    """Yield faults of a link's numbers that its shapes show, if its mass is within the shapes.
+    """Yield the faults of a link's numbers that follow if all its mass lies within its shapes.
 
     The variance of a mass within a width w is at most (w/2)² (T. Popoviciu 1935); along x it is
     (Iyy + Izz − Ixx) / 2m. And a mass that fills the box around the shapes is no denser than the

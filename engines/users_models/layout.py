@@ -26,6 +26,11 @@ def laid_out(
     Returns
     -------
     The path of the model's file
+
+    Raises
+    ------
+    EngineError
+        If a mesh cannot be read or is too large.
     """
     path = folder / {"urdf": "model.urdf", "mjcf": "model.xml", "usd": "model.usda"}[model.format]
     data, files = model.checked.encode(), _named(model)

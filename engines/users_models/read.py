@@ -108,8 +108,8 @@ def users_link(scenario: Scenario) -> UsersLink:
     UnsupportedError
         If the scene names no link, or has no file that the model's path could be relative to.
     EngineError
-        If the file cannot be read, is not the file that the scene was made from, or has no such
-        link.
+        If the file cannot be read, is not the file that the scene was made from, has no such link,
+        states no inertia of it, or does not weld to it a link that the scene names as welded.
     """
     origin = scenario.document.body
     file, link, welded = origin.model, origin.link, origin.welded or ()
@@ -137,5 +137,8 @@ def users_link(scenario: Scenario) -> UsersLink:
 
 @lru_cache(maxsize=KEPT)
 def _read(path: Path, digest: str) -> ModelFile:  # noqa: ARG001
-    """Return the model in a file; it is read again only if path or digest are others."""
+    """Return the model in a file; the last `KEPT` models are kept, by path and digest.
+
+    The digest is not checked here. It is a parameter so that a file that has changed is read again.
+    """
     return read_model(path)

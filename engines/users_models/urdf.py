@@ -42,7 +42,7 @@ def urdf_links(robot: Element) -> tuple[Link, ...]:
 
 
 def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, Element]]:
-    """Return the parent's name and the joint of each link that hangs on a joint, by its name.
+    """Return, by the name of each link that is the child of a joint, its parent's name and joint.
 
     It raises `ModelFileError` if a joint names no link of the file, or a link hangs on two joints.
 
@@ -189,6 +189,11 @@ def with_meshes(
     data : the file without visual parts, and without collision shapes whose mesh is missing, lies
         outside the model's folders, or is not kept
     meshes : contents of the mesh files, by their new names
+
+    Raises
+    ------
+    EngineError
+        If a mesh cannot be read or is too large.
     """
     wanted = {shape for link in links for shape in link.shapes if shape.ending in endings}
     edits, meshes = _edits(model, model.links, wanted)
@@ -200,7 +205,8 @@ def body_alone(
 ) -> tuple[bytes, dict[str, bytes]]:
     """Return a URDF of one body, its links and the joints between them cut verbatim out of a model.
 
-    It is returned as in `with_meshes`: the file's bytes, and the meshes by their new names.
+    It is returned as in `with_meshes`: the file's bytes, and the meshes by their new names. The
+    same errors are raised.
 
     Parameters
     ----------

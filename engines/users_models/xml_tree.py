@@ -30,9 +30,9 @@ class ModelFileError(ValueError):
 
 #: Largest depth of nested elements; robots nest one body for each joint.
 MAX_DEPTH = 256
-#: Largest number of elements in a file, and of attributes of an element: a file of the largest size
-#: may have millions, each hundreds of times as large in memory, and an engine compares every two
-#: attributes.
+#: Largest number of elements in a file, and of attributes of an element. Without these limits a
+#: file of the largest permitted size could have millions of elements, each of which takes hundreds
+#: of times its bytes in memory, and an engine compares the attributes of an element pairwise.
 MAX_ELEMENTS, MAX_ATTRIBUTES = 1 << 18, 1 << 8
 #: Largest length of a name, and of the separator that a replicate puts before a number: all are
 #: shown.
@@ -97,7 +97,8 @@ class Element:
     def walk(self) -> Iterator["Element"]:
         """Yield the element and its descendants, without recursion.
 
-        If a descendant is changed before it is yielded, the changed one is yielded.
+        An element is yielded before its children, and the children last to first. If a descendant
+        is changed before it is yielded, the changed one is yielded.
         """
         left = [self]
         while left:
@@ -195,8 +196,7 @@ def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
     Raises
     ------
     ModelFileError
-        If the file cannot be read, is too large, nests elements too deep, has a DTD, or is not XML
-        in UTF-8.
+        If the file cannot be read or is too large, or if `parse_xml` refuses it.
     """
     data = read_bytes(path)
     return data, *parse_xml(data, printable(str(path)))
@@ -212,7 +212,8 @@ def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
     Raises
     ------
     ModelFileError
-        If the file nests elements too deep, has a DTD, is not XML in UTF-8, or is xacro.
+        If the file nests elements too deep, has too many elements, attributes or characters in a
+        name, has a DTD, is not XML in UTF-8, or is xacro.
     """
     if b"\0" in data:
         raise ModelFileError(f"{file}: must be a text in UTF-8, no engine reads UTF-16 or zeros")
@@ -274,7 +275,8 @@ class _Builder:
     Raises
     ------
     ModelFileError
-        If the file is refused: too deep, too large, or with a DTD.
+        If the file is refused: it is nested too deep, has too many elements, attributes or
+        characters in a name, or has a DTD.
     expat.ExpatError
         If it is not well-formed.
     """

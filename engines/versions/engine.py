@@ -111,7 +111,10 @@ def versioned(name: str, python: str = "", say: Say = len) -> VersionedEngine:
     Raises
     ------
     VersionError
-        If there is no such engine, it has no other versions, or pip cannot install it.
+        If there is no such engine, it has no other versions, the version is not of the form of one,
+        the other interpreter cannot be used, or pip cannot install the version.
+    PermissionError
+        If the user's cache folder is not safe, as for `user_cache`.
     """
     base, _, version = name.partition("@")
     there = [one for one, engine in engines().items() if engine.at_version("1") is not None]

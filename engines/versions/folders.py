@@ -68,7 +68,9 @@ def install(
     Raises
     ------
     VersionError
-        If pip fails; with the last line that it printed.
+        If pip fails, with the error that it printed, or does not finish in time.
+    PermissionError
+        If the user's cache folder is not safe, as for `user_cache`.
     """
 
     def fill(target: Path) -> None:
@@ -101,7 +103,10 @@ def install_for(
     Raises
     ------
     VersionError
-        If there is no such Python, or pip fails; with the last line that it printed.
+        If there is no such Python, it is too old, the system is Windows, or pip fails, with the
+        error that it printed, or does not finish in time.
+    PermissionError
+        If the user's cache folder is not safe, as for `user_cache`.
     """
     if sys.platform == "win32":
         words = "'--python' needs an environment as Linux and macOS have it; run it in WSL"
@@ -165,9 +170,12 @@ def _drop(packages: Path, surplus: Sequence[str]) -> None:
 
 
 def _made(folder: Path, fill: Callable[[Path], None], say: Say) -> Path:
-    """Return a folder after making it if need be: `fill` fills a new one, which is moved there.
+    """Return the path of a folder, which is made and filled if it does not exist.
 
-    `say` is called with a sentence before that.
+    Parameters
+    ----------
+    fill : fills a new folder, given its path; the folder is then moved to its place
+    say : called with a sentence before a folder is filled
     """
     if folder.is_dir():
         return folder
