@@ -78,8 +78,9 @@ class ErrorNorm:
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
         """Return the distances of two motions in each signal, (n, signals), given their tables.
 
-        Quaternions q and −q are the same attitude. If the number that a signal's distances are
-        relative to is zero, a distance is 0 where both motions are equal and inf elsewhere.
+        They are in rad for the attitude, and relative for the other signals. Quaternions q and −q
+        are the same attitude. If the number that a signal's distances are relative to is zero, a
+        distance is 0 where both motions are equal and inf elsewhere.
         """
         apart = table - other
         first = [columns.start for columns in self._columns]

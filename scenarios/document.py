@@ -120,9 +120,10 @@ class BodyTable(Table):
 
     @property
     def inertia_matrix(self) -> Matrix | None:
-        """The inertia as a full symmetric matrix, kg m²; None if the table states none.
+        """The inertia as a full symmetric matrix, kg m², body axes; None if the table states none.
 
-        Products that differ by rounding are replaced by their mean.
+        It is about the point that `inertia_about` names. Products that differ by rounding are
+        replaced by their mean.
         """
         if self.inertia is None:
             return None

@@ -1,7 +1,8 @@
-"""A scene's numbers in extended precision: each decimal's double is read exactly, then converted.
+"""A scene's numbers in extended precision: each double that a file states is taken as exact.
 
-The reference solves these values; engines are given their rounding to double. Nothing is
-rounded twice, so what separates a run from the exact motion is the engine.
+Angles, units and frames are then converted in extended precision. The reference solves the scene
+with the results; engines are given them rounded to double. Nothing is rounded twice, so that what
+separates a run from the exact motion is the engine.
 """
 
 from collections.abc import Iterable, Sequence
@@ -143,7 +144,7 @@ def add(a: Tensor, b: Tensor, sign: int = 1) -> Tensor:
 
 
 def turned_tensor(tensor: Tensor, q: Quaternion) -> Tensor:
-    """Return the components Rᵀ I R of a tensor I along its axes turned by q; R is q's matrix.
+    """Return Rᵀ I R with R the matrix of a unit quaternion q: components along axes that q turns.
 
     The result is symmetric to the last digit.
     """

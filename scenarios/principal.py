@@ -6,8 +6,9 @@ from mpmath import mp, mpf
 
 from .exact import DIGITS, Quaternion, Tensor, Vector, cross, dot
 
-#: Relative tolerance of equal numbers. Tensors are made of doubles in DIGITS digits: numbers that
-#: agree this far are equal, and two doubles that differ never agree so far.
+#: Relative tolerance of equal numbers. Tensors are computed from doubles with DIGITS digits, so
+#: that results which agree to this tolerance differ only by rounding: different doubles differ by
+#: far more.
 EQUAL_TO_WORKING_PRECISION = mpf(10) ** (10 - DIGITS)
 
 #: Number of tensors whose axes are kept.
@@ -21,7 +22,8 @@ def principal_axes(tensor: Tensor) -> tuple[Vector, Tensor]:
     """Return the principal moments of an inertia tensor, and right-handed principal axes.
 
     A tensor that is diagonal keeps its axes and the order of its moments, so that bodies given by
-    principal moments are not rotated at all. Equal moments are exactly equal.
+    principal moments are not rotated at all. Moments of any other tensor are in ascending order,
+    and made exactly equal where they differ only by rounding.
 
     Returns
     -------

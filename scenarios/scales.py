@@ -1,7 +1,7 @@
-"""Checks that a scene can be computed with: sizes that doubles hold, a span that comes to an end.
+"""Checks that doubles can hold a scene's quantities, and that its time span can be simulated.
 
-Physics has no largest spin; arithmetic has. A scene beyond it is refused in one sentence when it is
-read, before it shows as an overflow in one engine and a hang in the next.
+Numbers that are too large would overflow in one engine and make another one hang. A scene with
+such numbers is therefore refused, with a message of one sentence, when it is read.
 """
 
 from collections.abc import Iterator
@@ -24,8 +24,8 @@ NEVER_SMALL = ("the time", "the mass", "the least moment of inertia")
 #: Largest ratio of the moments about the fixed point: a grain of 1e-8 m on a thread of 1 m.
 #: Conversions with `DIGITS` digits then leave each moment exact to far more than a double-double.
 MAX_MOMENT_RATIO = mpf("1e16")
-#: Largest product of fastest rate and window. A closed form is exact far beyond; no engine or
-#: integrator gets there.
+#: Largest product of fastest rate and time span. Closed forms are exact far beyond it, but no
+#: engine or integrator gets that far.
 MAX_SPAN = mpf("1e9")
 
 

@@ -133,6 +133,8 @@ class Scenario:
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
 
+        It is `Rotors.kept`, which for a hinge that is not free counts only the spin.
+
         Parameters
         ----------
         omega_body, spins : ω, body axes, (n, 3), and spins, (n, rotors), in n states, rad/s
@@ -178,10 +180,11 @@ class Scenario:
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
         """Return sizes of forces, N, and torques, N m, that cancel in axes that turn with rotors.
 
-        They are (n,) each, for n rows of spins, rad/s; see `Rotors.cancelling`.
+        They are (n,) each; `Rotors.cancelling` explains them.
 
         Parameters
         ----------
+        spins : spins of the rotors in n states, rad/s, (n, rotors)
         far : distance of the coordinates' origin from the com, m
         """
         return self.rotors.cancelling(spins, self.body.com, far)
@@ -213,7 +216,7 @@ class Scenario:
 
     @cached_property
     def gravity_world(self) -> FloatArray:
-        """Gravitational acceleration, m/s², (3,); zeros where there is none."""
+        """Gravitational acceleration, m/s², world axes, (3,); zeros where there is none."""
         gravity = self.effects.gravity
         return read_only(gravity.acceleration if gravity else exact.ZERO)
 
@@ -262,7 +265,8 @@ def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) 
     """Return a scene with some tables of its file, such as `window`, replaced.
 
     Its text is written anew. Published values and expectations are left out, as they hold only for
-    the unchanged scene.
+    the unchanged scene. What a file is checked for besides single tables, such as tables that
+    exclude each other and sizes, is not checked again.
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)
@@ -299,7 +303,7 @@ def started_at(
     Raises
     ------
     ValueError
-        If a number is not finite, or the quaternion is not of norm 1.
+        If a number is not finite, the quaternion is not of norm 1, or an array is too long or short.
     """
     numbers = {"quaternion_wxyz": q_world_body_wxyz, "omega_body": omega_body}
     if not scenario.constraint.is_pivot:

@@ -64,10 +64,10 @@ class Signal:
     base : returns the number that distances are relative to, in the signal's unit
     depends_on : which of "omega" and "attitude" bound the signal's order of accuracy by their own
     exists : returns whether a scene has the signal
-    in_flight : returns how much the signal of a free body changes, relative, if each number of its
-        state changes by one ulp, given the changes that come from the rotation's numbers, as
-        `Errors`; it allows for engines that integrate the flight of another point than the com.
-        None if the signal depends on the rotation alone
+    in_flight : returns the relative change of the signal of a free body if each number of its state
+        changes by one ulp. Its last argument has the changes of all signals if only attitude and ω
+        change. It allows for engines that integrate the flight of another point than the com. None
+        if the signal depends on the rotation alone
     """
 
     name: str
@@ -120,14 +120,14 @@ class Signal:
 
         Parameters
         ----------
-        conditioning : the changes of all signals if only the numbers of the rotation change
+        conditioning : the changes of all signals if only attitude, ω and the body change
         """
         of_rotation = conditioning[self.name]
         return self.in_flight(scene, exact, conditioning) if self.in_flight else of_rotation
 
 
 def radius_of_gyration(scene: Scene) -> float:
-    """Return the radius of gyration √(tr I / 2m), m, with I about the pivot, or else the com."""
+    """Return the radius of gyration √(tr I / 2m), m, with I the tensor `Scenario.inertia`."""
     return float(np.sqrt(np.trace(scene.inertia) / (2 * scene.body.mass)))
 
 

@@ -34,7 +34,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield the fastest decay of ω by drag."""
+    """Yield the fastest rate at which drag slows ω, 1/s, with its key and name."""
     yield _WHERE, "a decay by drag", mpf(extent.scenario.pushed["drag"]) / extent.moments[0]
 
 

@@ -77,6 +77,8 @@ class Scene(Protocol):
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
 
+        It is C (u·ω + s) on a free hinge and C s on any other, as in `gyrostat`.
+
         Parameters
         ----------
         omega_body, spins : ω, body axes, (n, 3), and spins, (n, rotors), in n states, rad/s
@@ -95,7 +97,10 @@ class Scene(Protocol):
 
     @property
     def inertia(self) -> FloatArray:
-        """Inertia tensor about the pivot, or the com if there is none, kg m², body axes, (3, 3)."""
+        """Inertia tensor about the pivot, or the com if there is none, kg m², body axes, (3, 3).
+
+        The moments of rotors on free hinges about their axles are left out.
+        """
 
     @property
     def gravity_world(self) -> FloatArray:
@@ -123,7 +128,7 @@ class Scene(Protocol):
 #: A quantity of a scene's body along a motion, SI, one row for each sample.
 Along = Callable[[Scene, Trajectory], FloatArray]
 #: A force, N, (n,), as a function of rotation matrices (n, 3, 3), angular velocities, body axes,
-#: rad/s, (n, 3), and the sum of what parts keep, body axes, kg m²/s, (n, 3).
+#: rad/s, (n, 3), and the sum of the rotors' constant angular momenta, body axes, kg m²/s, (n, 3).
 Force = Callable[[Scene, FloatArray, FloatArray, FloatArray], FloatArray]
 #: Torque, N m, body axes, and acceleration of the com, m/s², world axes, including the force of a
 #: constraint; as a function of ẑ and ω in body axes, and of torque and acceleration without the
@@ -141,7 +146,7 @@ class Extent:
     ----------
     scenario : the scene
     span : length of the time span, s
-    moments : principal moments about the fixed point, ascending, kg m²
+    moments : principal moments of `Scene.inertia`, ascending, kg m²
     decay : rate at which effects slow the body, 1/s
     """
 
@@ -202,8 +207,8 @@ class Effect:
         or None in its place if the scene has no such table; `pushed` itself is None if `push` does
         not include the effect
     check : raises `Misfit` if the scene's start, or another effect, does not go with the table
-    sizes, rates : yield the sizes and the rates that the effect brings, which must not be too large
-        to be computed with, each with the keys to it in the file
+    sizes, rates : yield the sizes and the rates that the effect adds to those of a scene, each with
+        the keys to it in the file; `check_scales` refuses a scene in which one is too large
     rate : returns the fastest rate at which the effect changes a state, 1/s; `rate_formula` is its
         formula in words
     decay : returns the fastest rate at which the effect slows the body, 1/s

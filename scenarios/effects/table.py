@@ -30,10 +30,11 @@ from .pivot import EFFECT as PIVOT
 from .push import push
 
 WHERE = ("effects", "table")
-#: How far a stated place or velocity may be off the table, in levers and in levers times ω: it is
-#: typed in decimals, and the exact value on the table is used instead.
+#: Largest difference of a stated height or vertical velocity from that of a body on the table,
+#: relative to scales of length and speed. The stated decimals are rounded; the exact values on the
+#: table are used instead of them.
 TYPED = 1e-6
-#: What a tip does that is too low or too high, and one that moves down or up.
+#: Words for a tip that is too low or too high, and for one that moves down or up.
 WAYS_OFF = ("pierces the table", "hangs above the table")
 WAYS_MOVED = ("drives the tip into the table", "lifts the tip off")
 
@@ -80,7 +81,7 @@ def normal_force(
     torque_body: FloatArray,
     pull_world: FloatArray,
 ) -> FloatArray:
-    """Return the table's force N, in newtons, (n,) or a number.
+    """Return the table's upward force N, in newtons, (n,) or a number.
 
     It is negative where the table would have to pull.
 
