@@ -12,9 +12,10 @@ from .invariants import invariants
 from .state_rounding import MAGNIFIED, moved_states
 
 EPS = float(np.finfo(float).eps)
-#: Ulp, of position and velocity as computed from the state: a rotation, a product and a sum.
+#: Rounding error, in ulp, of a position or velocity that is computed from attitude and ω by a
+#: rotation, a product and a sum.
 PLACED = 4
-#: Ulp, of a drift as computed: it is made of sums of three products.
+#: Rounding error, in ulp, of a drift, which is computed by sums of three products.
 SUMMED = 8
 
 

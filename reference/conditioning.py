@@ -1,10 +1,9 @@
 """How much a motion changes when its start and its body change by one ulp.
 
 The numbers that are changed, in extended precision, are ω and attitude at t = 0, the principal
-moments, the length of the lever, and the angular momenta that the body's parts keep. Each is
-changed by the same amount relative to itself, or to |ω| for a component of ω. Equal moments stay
-equal and the lever keeps its direction, because rounding during a run does not change a body's
-symmetry.
+moments, the length of the lever, and the constant angular momenta of the rotors. Each is changed by
+the same amount relative to itself, a component of ω relative to |ω|. Equal moments stay equal and
+the lever keeps its direction, because rounding during a run does not change a body's symmetry.
 
 To first order the change of the motion is J x, where x holds the dozen or so changes ("nudges").
 It is measured for four vectors x of random signs only: the root mean square of |J x| over random

@@ -150,10 +150,10 @@ def _product(M: list[list[float]], v: list[float]) -> list[float]:
 
 
 def _differences(scenario: Scenario) -> FloatArray:
-    """Return the inertia tensor minus one of its diagonal entries times the unit matrix, (3, 3).
+    """Return the inertia tensor minus its second diagonal entry times the unit matrix, (3, 3).
 
-    It may replace I in ω × Iω, as ω × ω = 0. A rod's spin is then not driven by the rounding error
-    of the difference of its two large moments. kg m².
+    It is in kg m², body axes. It may replace I in ω × Iω, as ω × ω = 0. A rod's spin is then not
+    driven by the rounding error of the difference of its two large moments.
     """
     inertia = scenario.inertia
     return np.asarray(inertia - inertia[1, 1] * np.eye(3), dtype=float)
@@ -172,8 +172,9 @@ def _tolerance(scenario: Scenario) -> float:
 def _longest_step(scenario: Scenario) -> float:
     """Return the longest step, s: the shorter of the decay time and the time of a turn by `TURN`.
 
-    It is inf without either. DOP853 would be stable over six times the decay time, but misjudges
-    its error there. Over a turn beyond `TURN` its dense output is of lower order than the step.
+    It is inf if the rates of decay and of turning are both zero at the start. DOP853 would be
+    stable for steps of six times the decay time, but misjudges its error there. For a turn larger
+    than `TURN` in a step, its dense output is of lower order than the step.
     """
     decay, rate = decay_rate(scenario), fastest_rate(scenario, scenario.start.omega_body)
     return min(1 / decay if decay else np.inf, TURN / rate if rate else np.inf)

@@ -1,8 +1,9 @@
 """Double-double arithmetic for numba: a number is the unevaluated sum of two doubles.
 
-A pair ``(hi, lo)`` with ``|lo| <= ulp(hi) / 2`` carries about 106 bits. Every kernel here takes
-and returns such pairs, can be called from Python or from other numba kernels, and allocates
-nothing. None may be compiled with ``fastmath``: the compiler would cancel the error terms.
+A pair ``(hi, lo)`` with ``|lo| <= ulp(hi) / 2`` carries about 106 bits. Kernels whose names begin
+with ``dd_`` take such pairs, the others take doubles; all return pairs, can be called from Python
+or from other numba kernels, and allocate nothing. None may be compiled with ``fastmath``: the
+compiler would cancel the error terms.
 
 Sources: T. J. Dekker, "A floating-point technique for extending the available precision",
 Numer. Math. 18 (1971) 224-242; T. Ogita, S. M. Rump & S. Oishi, "Accurate sum and dot product",

@@ -52,7 +52,7 @@ class BodyChange(NamedTuple):
     Attributes
     ----------
     mass : change of the mass, kg
-    moment_body : change of Σ m r, kg m, body axes
+    moment_body : change of mass times com, Σ m r from the body's origin, kg m, body axes
     lever_body : change of the vector to the com from the point that is held, or from the origin of
         a free body, m, body axes
     """
@@ -81,8 +81,8 @@ class EffectTerms:
     Attributes
     ----------
     form : form of the effect's term
-    posed : returns the effect's numbers by the `Problem` attribute that holds them, given the scene
-        and the quaternion from body axes to principal axes
+    posed : returns the effect's numbers, by the names of the attributes of `Problem` that hold
+        them, given the scene and the quaternion from body axes to principal axes
     turns : returns whether the effect turns the body of a problem at all
     constants : returns constants of `taylor_coefficients` by their rows, for one axis i and the
         next two axes j and k
@@ -272,7 +272,8 @@ TERMS = {
 def turning(problem: Problem) -> frozenset[str]:
     """Return the names of the effects that turn a problem's body.
 
-    Gravity is among them only if there is a pivot that is not the com.
+    Gravity is among them only if there is a pivot that is not the com; on a table the effect that
+    turns the body is the table.
     """
     return frozenset(name for name, terms in TERMS.items() if terms.turns(problem))
 

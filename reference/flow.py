@@ -19,9 +19,9 @@ from .taylor import IntegrationError, constants_of, inverses_to, terms_of
 from .taylor_coefficients import COLUMNS, MOMENTUM, OMEGA, STATE, Q, Terms, extend
 from .taylor_march import start_from_state, step_size
 
-#: A step ends where the series is e⁻³⁶ of the state, an ulp. If the span ends earlier, the lowest
-#: of these orders N suffices whose series is e⁻³⁶ of the state there: e⁻³⁶ᐟᴺ of the radius of
-#: convergence.
+#: Orders of the series, from cheap to expensive. The longest step of order N is e⁻³⁶ᐟᴺ of the
+#: radius of convergence: the last term is then e⁻³⁶ of the state, an ulp. A step takes the first
+#: order whose longest step reaches the end of the time span, or else the last.
 ORDERS = (8, 12, 18)
 DIGITS = 2.0 * ORDERS[-1]
 #: Largest number of steps of one state; a step takes some 3 µs.
@@ -31,7 +31,7 @@ MAX_STEPS = 100_000
 def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajectory:
     """Return the states to which the exact motion takes given states, each after its own time span.
 
-    If the body has a pivot, only attitude and angular velocity are read: they determine the rest.
+    If the body has a pivot, com and velocity are not read: attitude and ω determine them.
 
     Parameters
     ----------
@@ -102,9 +102,10 @@ def flow_each(
     ----------
     constants, inverses, terms : as in `taylor_coefficients.extend`; the row of `constants` for the
         rotors' angular momentum is overwritten
-    states : the states, (n, STATE), which are overwritten
-    momenta : for each state the constant angular momentum h of the rotors, kg m²/s, (n, 3)
-    spans : time spans, s, (n,)
+    states : ω, rad/s, and q, w x y z, of each state, principal axes, (n, STATE); overwritten
+    momenta : for each state the constant angular momentum h of the rotors, kg m²/s, principal axes,
+        (n, 3)
+    spans : time spans, s, (n,), which may be negative
     steps : largest number of steps for a state
 
     Returns

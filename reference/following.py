@@ -30,9 +30,11 @@ from .other_rates import (
     vector,
 )
 
-#: Largest turn in a step of `EXACT`, rad, whose error is then an ulp, and of `APPROXIMATE`.
+#: Largest turn in a step of `EXACT` and of `APPROXIMATE`, rad. The error of a step of `EXACT` is
+#: then an ulp.
 TURN = 0.2
-#: Columns of a stage: q', ω' and the angular velocity at which the attitude turns.
+#: Number of columns of a stage, which are q', ω' and the angular velocity at which the attitude
+#: turns; and the first column of this angular velocity.
 STAGE, TURNS = 10, 7
 
 

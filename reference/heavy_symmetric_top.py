@@ -52,7 +52,7 @@ class HeavySymmetricTop:
     I1, I3 : moments across the axis and about it, kg m²: about the pivot, on a table about the com
     kappa : M g l, N m, positive
     p_alpha, p_gamma : angular momentum along the vertical and along the axis, kg m²/s
-    energy : kinetic plus κ cos β, J
+    energy : kinetic energy, without that of the com's horizontal motion on a table, plus κ cos β, J
     cos_beta : cosine of the axis's angle from the upward vertical
     heave : m l²/I1 on a table, 0 on a pivot
     """

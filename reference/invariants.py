@@ -1,8 +1,8 @@
 """What a scene's exact motion conserves, and how far a run drifts from it.
 
 A quantity is computed by the same code from every trajectory, the reference's or an engine's.
-Drifts are relative to a scale that the scene alone sets, so that they compare across runs, and a
-run that blows up cannot hide behind its own size.
+Drifts are relative to a scale that the scene alone sets, so that they can be compared across runs,
+and that a run which blows up is not measured against its own large values.
 """
 
 from dataclasses import dataclass

@@ -42,7 +42,8 @@ def digest_of_kernels(package: Path) -> str:
 def _folder() -> Path | None:
     """Return a folder of this user for machine code, not writable by all; None if there is none.
 
-    It is beside the sources if possible, else in the user's home.
+    It is made if it does not exist: in numba's own cache folder if the user has set one, or else
+    beside the sources, and if neither can be written, in the user's home.
     """
     places = [Path(config.CACHE_DIR or _PACKAGE / "__pycache__")]
     # Not every user has a home.
@@ -62,8 +63,8 @@ def _folder() -> Path | None:
 #: Where machine code is kept; None if nowhere can be written.
 FOLDER = _folder()
 
-#: Numba's options for kernels: to divide by zero as IEEE 754 says, and to count no references to
-#: arrays, so that no kernel can make one.
+#: Numba's options for kernels: they divide by zero as IEEE 754 says, and they count no references
+#: to arrays, so that no kernel can make a new array.
 OPTIONS = {"error_model": "numpy", "_nrt": False}
 
 

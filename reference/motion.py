@@ -10,17 +10,18 @@ from ..scenarios.rotation import matrices, matrix, norms, turned
 from ..scenarios.rotation import times as times_quaternion
 from .problem import Problem
 
-#: Names of the effects that `assembled` moves a free body's centre of mass by.
+#: Names of the effects whose forces on the centre of mass `assembled` takes into account.
 FORCES_IN_FLIGHT = frozenset({"gravity"})
 
 
 class Flight(NamedTuple):
-    """How long a free body has been flying at each sample, and the state its flight started from.
+    """How long a body without a pivot has been flying at each sample, and from which state.
 
     Attributes
     ----------
     seconds : duration of the flight, s, (n,)
-    com_world, velocity_world : centre of mass and its velocity at the start, m, m/s, (3,) or (n, 3)
+    com_world, velocity_world : position, m, and velocity, m/s, of the centre of mass at the start
+        of the flight, (3,), or (n, 3) if each sample has a flight of its own
     """
 
     seconds: FloatArray

@@ -10,12 +10,13 @@ import numpy as np
 
 from ..scenarios import FloatArray, Scenario
 
-#: How q' follows from q and ω: as it should; with ω along body axes multiplied from the side of
-#: world axes; or with ω along world axes, in which its components are kept, from the side of body
-#: axes.
+#: How q' follows from q and ω. `BODY` is right: q' = ½ q (0, ω) with ω along body axes. `WORLD` is
+#: q' = ½ (0, ω) q with the same components, as if they were along world axes. `KEPT_IN_WORLD` is
+#: q' = ½ q (0, ω) with components along world axes, as if they were along body axes; these
+#: components are also the ones that are integrated.
 BODY, WORLD, KEPT_IN_WORLD = 0, 1, 2
 #: A kinematic number from here on is a convention of Euler angles, `FIRST_ANGLES` + 9 i + 3 j + k
-#: for R = R_i(a) R_j(b) R_k(c), whose rates ω is taken for.
+#: for R = R_i(a) R_j(b) R_k(c): the components of ω are taken for the rates of these angles.
 FIRST_ANGLES = 3
 #: How vectors along world axes are turned to body axes: by Rᵀ, which is right; by R; not at all; or
 #: not at all, and the torque of gravity is computed along world axes.
@@ -34,8 +35,9 @@ class OtherEquations(NamedTuple):
     ----------
     inertia, inverse, gyroscopic, turning : I, its inverse, G, A, (3, 3)
     kept : h, the angular momentum of rotors relative to the body, kg m²/s, (3,)
-    gravity_world, pull : g; and l, mass times the lever from a pivot, zero without a pivot; (3,)
-    torque, torque_world : (3,)
+    gravity_world : g, m/s², (3,)
+    pull : l, mass times the vector from a pivot to the com, kg m, (3,); zero without a pivot
+    torque, torque_world : constant torques along body axes and along world axes, N m, (3,)
     slowing : c, N m s; a, 1/s; and b, which has no unit; (3,)
     damping : the diagonal of D, N m s, (3,)
     friction : f, N m sᵖ⁺¹, and p
@@ -45,13 +47,15 @@ class OtherEquations(NamedTuple):
         for a spring, k N m, to the attitude R₀; (3, 3)
     spring : k R₀, N m: a torque −k φ by the rotation vector φ from the attitude R₀; (3, 3)
     gravity_gradient : S, symmetric, along world axes: κ z zᵀ for a torque κ z × I z; 1/s², (3, 3)
-    body_turns, world_turns : s, body axes, and w, world axes, at which a body turns besides, and
-        the world does; rad/s, (3,)
+    body_turns, world_turns : s, an angular velocity of the body in addition to A ω, body axes, and
+        w, the angular velocity of the world, world axes; rad/s, (3,); only with `BODY`
     world_vectors : how g and torque_world are turned to body axes, which is by Rᵀ in the formula
         above: `TURNED_BACK`, `TURNED_ON`, `UNTURNED` or `TORQUE_UNTURNED`
-    lever, mobility : from a table to the com, m, and 1/mass, which is 0 without a table
-    tensor_turns : how often R turns vectors before I and G are applied: 0 where these are along
-        body axes, 1 along world axes, and 2 where ω is Rᵀ I⁻¹ R L along world axes, for R I⁻¹ Rᵀ L
+    lever : vector from the tip on a table to the com, m, (3,); not used without a table
+    mobility : 1/mass, 1/kg; 0 without a table
+    tensor_turns : how often R turns vectors before I and G are applied: 0 if these are constant
+        along body axes, 1 if along world axes, and 2 if ω along world axes is computed as
+        Rᵀ I⁻¹ R L in place of the correct R I⁻¹ Rᵀ L
     kinematics : `BODY`, `WORLD`, `KEPT_IN_WORLD`, or the number of a convention of Euler angles
     rate : fastest rate, besides ‖ω‖, at which the state may change, rad/s
     """

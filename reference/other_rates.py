@@ -69,8 +69,8 @@ _PLACES = np.cumsum([0, *(_COUNTS.get(name, 3) for name in OtherEquations._field
 def all_numbers(equations: Sequence[OtherEquations]) -> FloatArray:
     """Return all numbers of E sets of equations of motion, attribute by attribute, (E, n).
 
-    Matrices are written row by row. At the end is 1 if a torque depends on the attitude, besides
-    that of gravity, and else 0.
+    Matrices are written row by row. The last number is 1 if `attitude_torque`, `spring` or
+    `gravity_gradient` is not zero, else 0.
     """
     # Attributes that several sets share are converted once. With `join` it takes a tenth of the
     # time of `concatenate`, for so many short arrays.

@@ -59,7 +59,10 @@ class Problem:
 
     @property
     def held_lever(self) -> Vector:
-        """Mass times the vector from pivot or tip to the com, kg m; 0 for a free body."""
+        """Mass times the vector from pivot or tip to the com, kg m, along the principal axes.
+
+        It is zero for a free body, and for a body on a pivot without gravity.
+        """
         if not self.slides:
             return self.lever_axes
         with mp.workdps(DIGITS):

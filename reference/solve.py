@@ -52,6 +52,9 @@ SURE_TURN = 30.0
 def solve(scenario: Scenario, times: FloatArray) -> Solution:
     """Return the exact motion of a scene.
 
+    The motion ends before the last of the times if it is chaotic and no longer known, or if the
+    body leaves its table; see `Solution.horizon`.
+
     Parameters
     ----------
     times : (n,) s, increasing, from 0 on
@@ -59,9 +62,11 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
     Raises
     ------
     ValueError
-        If the times do not increase or are negative.
+        If there are no times, or they do not increase or are negative.
     IntegrationError
-        If the motion cannot be integrated over that span.
+        If the motion cannot be integrated over that span, or is not known at the first time.
+    NotImplementedError
+        If the exact motion under an effect of the scene is unknown.
     """
     return ExactMotion(scenario).solve(times)
 

@@ -109,7 +109,7 @@ def integrate(
     Raises
     ------
     ValueError
-        If the times decrease or are negative.
+        If the times decrease, are negative or are not finite.
     IntegrationError
         If numbers overflow or the motion takes more than `MAX_STEPS` steps.
     LiftOffError
@@ -122,7 +122,10 @@ def integrate(
 def integrate_double_double(
     problem: Problem, times: FloatArray, orders: Orders = TRUTH_ORDERS
 ) -> DoubleDoubleStates:
-    """Return the motion at given times in double-double; parameters as in `integrate`."""
+    """Return the motion at given times in double-double.
+
+    Parameters and errors raised are those of `integrate`.
+    """
     times = np.ascontiguousarray(times, dtype=float)
     if not (np.isfinite(times).all() and (times >= 0).all() and (np.diff(times) >= 0).all()):
         raise ValueError("'times' must be finite, not negative and not decreasing.")

@@ -3,7 +3,7 @@
 With ' the time derivative, moments I, ℓ = M r_com, and Γ, Σ the gravity and the torque that are
 constant in the world as seen from the principal axes::
 
-    I ω' = (I ω + h) × ω + ℓ × Γ + torque_axes + Σ − c ω   Euler, h what parts keep
+    I ω' = (I ω + h) × ω + ℓ × Γ + torque_axes + Σ − c ω   Euler, h the rotors' constant momentum
     q'   = ½ q ⊗ (0, ω)                                    q takes axes to world
     Γ'   = Γ × ω,  Σ' = Σ × ω                              Poisson: a fixed vector, seen turning
 

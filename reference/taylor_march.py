@@ -31,7 +31,8 @@ from .taylor_numbers import Table, load_double, store, zero
 
 Tables = tuple[FloatArray, FloatArray]
 
-# How a call of `march` ends.
+# How a call of `march` ends: all samples are written; the limit of steps is reached; the step is
+# too small for the clock, or numbers overflow; or the body leaves its table.
 DONE, PAUSED, STUCK, LIFTED = 0, 1, 2, 3
 
 #: Step over radius of convergence that costs least (Jorba & Zou 2005, section 3.2).
@@ -202,7 +203,8 @@ def march(
 
     Returns
     -------
-    Why the march ended, one of the codes above, and the index of the first sample not written
+    Why the march ended, `DONE`, `PAUSED`, `STUCK` or `LIFTED`, and the index of the first sample
+    that is not written. If it is `LIFTED`, `clock` has the time at which the body leaves its table
     """
     total = series[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

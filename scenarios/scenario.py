@@ -303,7 +303,7 @@ def started_at(
     Raises
     ------
     ValueError
-        If a number is not finite, the quaternion is not of norm 1, or an array is too long or short.
+        If a number is not finite, the quaternion is not of norm 1, or an array has a wrong length.
     """
     numbers = {"quaternion_wxyz": q_world_body_wxyz, "omega_body": omega_body}
     if not scenario.constraint.is_pivot:
