@@ -233,7 +233,10 @@ class Engine(Adapted, ABC):
 
     @final
     def methods_for(self, scenario: Scenario) -> list[Method]:
-        """Return the methods whose required effects a scene has; none if it cannot be loaded."""
+        """Return the methods whose required effects a scene has, and no others.
+
+        The list is empty if `applies_to` is false. A method in it may still not support the scene.
+        """
         if not self.applies_to(scenario):
             return []
         return [method for method in self.methods if method.requires <= scenario.called_for]
@@ -261,9 +264,16 @@ class Engine(Adapted, ABC):
 
         Parameters
         ----------
+        timestep : dt, s
         sample_steps : (n,) increasing whole numbers of steps, the first of them 0
         fails_if_unlike : whether a difference of body, start or effects from the scene fails the
             run rather than being a remark; for a method as shipped it is always a remark
+
+        Raises
+        ------
+        OSError, MemoryError
+            If the engine raises it, as the machine may be at fault. Any other error that is raised
+            while the engine steps ends the run as failed.
         """
         is_strict = fails_if_unlike and not method.as_shipped
         ended = partial(Run, self.name, self.version, method.name, timestep)

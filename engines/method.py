@@ -22,8 +22,8 @@ class Method:
     attitude_order : order of accuracy of the attitude, likewise
     summary : one line for tables
     effects : names, out of `scenarios.EFFECTS`, of the effects that it can simulate
-    requires : names of the effects that a scene must have for it to make sense, such as a pivot
-        for a method that simulates pivots by a constraint
+    requires : names of the effects that a scene must have for the method to be applicable, such as
+        a pivot for a method that simulates pivots by a constraint
     max_rotation_per_step : rad; the engine silently clamps larger rotations, so that a run in which
         the body turns further in a step is not made, or ends there
     clamps_parts : whether the engine also clamps how far parts of the body turn relative to it
@@ -58,8 +58,9 @@ class Release:
 
     Attributes
     ----------
-    requirements : distributions to install, as pip takes them; dependencies are not installed by
-        themselves, so those of which this version needs another release than the newest are listed
+    requirements : distributions to install, as pip takes them. Their dependencies are not installed
+        with them; a dependency is listed if this version needs another release of it than the
+        newest version of the engine does
     methods : the methods, with their orders in that version
     installed_as : name of the engine whose installed versions this one shares; empty for none
     surplus : packages that pip installs with it and that no run imports, which are removed

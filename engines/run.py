@@ -20,7 +20,7 @@ class Run:
         body, start or effects differ from the scene, where `Engine.run` tolerates differences
     cause : the reason in a word; empty if `reason` is
     stopped_at : the time of the first invalid sample, s; None if all samples are valid, or if the
-        run was refused before its first step or because of its effects
+        run ended before its first step
     trajectory : the valid samples, all of them before `stopped_at`; None if there are none
     steps : number of steps up to the last of these samples
     active : what the engine says acted on the body (names out of `scenarios.EFFECTS`, and anything

@@ -105,7 +105,8 @@ class RecordFrame:
     def motion(self, state: State) -> dict[str, list[float]]:
         """Return a state by a record's keys: `q`, `omega`, `com`, `velocity` and any `spins`.
 
-        The record's com is that of the body without rotors.
+        `q` is the attitude of the record's axes, and vectors are along world axes. Com and velocity
+        are those of the body without rotors.
         """
         world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
         com_world, velocity_world = state.com_world, state.velocity_world
@@ -122,7 +123,7 @@ class RecordFrame:
         return motion | ({"spins": _numbers(state.spins)} if state.spins.size else {})
 
     def states(self, rows: FloatArray) -> State:
-        """Return n states in the scene's frames, given as rows of a record's numbers.
+        """Return n states of the scene, given as rows of a record's numbers; it inverts `motion`.
 
         Parameters
         ----------
@@ -142,7 +143,10 @@ class RecordFrame:
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
     def body(self, body: WorldBody) -> BodyReading:
-        """Return an engine's body in the scene's body axes and from the scene's origin."""
+        """Return an engine's body, with its rotors, in the axes and from the origin of the scene's.
+
+        Rotors count as fixed parts of it, as in `BodyReading`.
+        """
         alone = BodyReading(float(body.mass), np.array(body.com), np.array(body.inertia_com))
         rotors = [BodyReading(one.mass, one.com, one.inertia_com) for one in body.rotors]
         reading = with_rotors([alone, *rotors], [one.axis for one in body.rotors])

@@ -11,8 +11,8 @@ from ..scenarios.regular_files import is_own
 def user_cache() -> Path:
     """Return the folder `spincheck` in the user's cache folder; it may not exist yet.
 
-    The user's cache is `$XDG_CACHE_HOME`, or if that is not an absolute path `~/.cache` (XDG Base
-    Directory Specification); on macOS it is `~/Library/Caches`.
+    The user's cache is `$XDG_CACHE_HOME` if that is an absolute path (XDG Base Directory
+    Specification), or else `~/.cache`, and on macOS `~/Library/Caches`.
 
     Raises
     ------

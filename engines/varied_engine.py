@@ -17,7 +17,7 @@ class VariedEngine(Engine):
     ----------
     base : the other engine
     way : name of the argument of `open_with` that is given
-    names : value of that argument
+    names : the names that are passed as this argument
     """
 
     def __init__(self, base: Engine, way: str, names: tuple[str, ...]) -> None:

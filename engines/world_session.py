@@ -65,11 +65,12 @@ class WorldSession(Session):
     def damped_by(self, damping: Sequence[float]) -> dict[str, bool]:
         """Return a name for a joint's damping, and whether it acts.
 
-        The name is "drag" if the damping is the scene's drag, else it tells the numbers.
+        The name is "drag" if the damping is the scene's drag, else words with the coefficients.
 
         Parameters
         ----------
-        damping : the damping coefficients of the joint's coordinates, rotations first
+        damping : the damping coefficients of the joint's coordinates, rotations first, N m s; any
+            further ones, of translations, are zero in a scene
         """
         wanted = [self.scene["drag"]] * 3 + [0.0] * (len(damping) - 3)
         name = "drag" if list(damping) == wanted else f"a joint damping of {damping} N m s"
@@ -78,7 +79,7 @@ class WorldSession(Session):
     def gravity_by(self, vector: FloatArray) -> dict[str, bool]:
         """Return a name for a world's gravity, m/s², and whether it acts.
 
-        The name is "gravity" if it is the scene's gravity, else it tells the vector.
+        The name is "gravity" if it is the scene's gravity, else words with the vector.
         """
         right = np.array_equal(vector, self.scenario.gravity_world)
         return {"gravity" if right else f"a gravity of {vector.tolist()} m/s²": bool(vector.any())}

@@ -148,7 +148,7 @@ def _of_a_free_top(problem: Problem) -> Iterator[Fact]:
 def _of_a_free_body(problem: Problem) -> Iterator[Fact]:
     """Yield facts of a free asymmetric body (Landau & Lifshitz §37).
 
-    There are none of a body at rest, and none of a sphere.
+    There are none for a body at rest, and none for one with three equal moments.
     """
     moments, omega = problem.moments, problem.omega_axes
     period = stability.tumbling_period(moments, omega)

@@ -74,10 +74,11 @@ def solve(scenario: Scenario, times: FloatArray) -> Solution:
 def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Solution]:
     """Return the exact motion of a scene at each of several rows of times, at low cost.
 
-    It is for studies of very many scenes: conditioning may be NaN, because no verdict depends on a
-    single one of them. A closed form is used only where the series does not reach the last time, as
-    beside a saddle: finding a closed form costs as much as hundreds of radians of the series. The
-    function raises what `solve` raises.
+    It is for studies of very many scenes, in which no verdict depends on a single scene. The
+    conditioning is NaN, and the uncertainty leaves out the rounding of states, unless `solve` is
+    called. This is done only where the series does not reach the last time, as beside a saddle:
+    finding a closed form costs as much as hundreds of radians of the series. The errors raised are
+    those of `solve`.
 
     Parameters
     ----------

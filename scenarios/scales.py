@@ -39,7 +39,8 @@ def check_scales(scenario: Scenario, until: float | None = None) -> None:
     Raises
     ------
     Misfit
-        If a size or a rate is.
+        If a size is too large or too small, a rate is too large for the time span, or the moments
+        of inertia differ by too large a factor.
     """
     span = mpf(scenario.window.duration if until is None else until)
     with mp.workdps(DIGITS):

@@ -27,8 +27,8 @@ class EngineError(Exception):
     Parameters
     ----------
     reason : what happened, in a sentence
-    cause : the cause in one word, of `Cause`; empty, as any other word counts, if neither the
-        engine nor its adapter knows it
+    cause : the cause in one word, of `Cause`; empty if neither the engine nor its adapter knows it.
+        A word that is not in `Cause` is replaced by the empty one
     """
 
     def __init__(self, reason: str, cause: Cause = "") -> None:
@@ -37,7 +37,14 @@ class EngineError(Exception):
 
 
 class UnsupportedError(EngineError):
-    """The engine is known to simulate this body wrongly, without an error: the run is refused."""
+    """The engine cannot do what is asked, or is known to do it wrongly without an error.
+
+    The run is then refused, and not counted as failed.
+
+    Parameters
+    ----------
+    reason, cause : as for `EngineError`; by default the cause is the scene's body
+    """
 
     def __init__(self, reason: str, cause: Cause = "body") -> None:
         super().__init__(reason, cause)
@@ -77,7 +84,8 @@ class BodyReading:
 def composed(parts: Sequence[BodyReading]) -> BodyReading:
     """Return the rigid body that several bodies form together (parallel-axis theorem).
 
-    All are given in the same axes and from the same origin.
+    All are given in the same axes and from the same origin. The axial moments of their rotors are
+    not taken over.
     """
     mass = sum(part.mass for part in parts)
     com = sum((part.mass * part.com for part in parts), np.zeros(3)) / (mass or 1.0)
@@ -200,7 +208,7 @@ def differences(
 def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
     """Return in words the common mistake that turns one quaternion into another.
 
-    It is empty if no mistake that is known does.
+    It is empty if none of the known mistakes does so.
 
     Parameters
     ----------

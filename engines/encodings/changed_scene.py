@@ -33,8 +33,9 @@ from ..checks.read_back import BodyReading, State
 _POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 _MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
 
-#: Effects that a scene may have for an encoding by other axes or units (all effects); for one that
-#: writes the body differently; for one that needs a body without rotors; for one in free fall.
+#: Effects that a scene may have: all of them for encodings by other axes or units; `OF_BODIES` for
+#: encodings that write the body differently; `OF_ONE_BODY` for those that need a body without
+#: rotors; and `FREE_FALL` for those that need a body that nothing but gravity acts on.
 ON_A_TABLE = frozenset(EFFECTS)
 OF_BODIES = ON_A_TABLE - {"table"}
 OF_ONE_BODY = OF_BODIES - {"rotors"}

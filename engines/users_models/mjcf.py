@@ -172,7 +172,8 @@ class _Reader:
     def _replicate(self, element: Element, parent: str, frame: Pose) -> None:
         """Read the bodies inside a `replicate`, as often as its count, with their new names.
 
-        Parameters are those of `read`.
+        All copies have the pose of the first: the offsets between them are not computed. Parameters
+        are those of `read`.
         """
         (count,) = element.numbers("count", 1)
         before, separator = len(self.links), element.attributes.get("sep", "")
@@ -311,7 +312,8 @@ def _by_z(values: FloatArray, _: Compiler) -> Rotation:
     return Rotation.from_rotvec(axis * np.arctan2(sine, z))
 
 
-#: By attribute, how many numbers it has, and the function to the rotation that they mean.
+#: For each attribute that states a rotation, how many numbers it has, and the function that
+#: converts them to the rotation.
 WAYS: dict[str, tuple[int, Callable[[FloatArray, Compiler], Rotation]]] = {
     "quat": (4, _by_quat),
     "axisangle": (4, _by_axis_angle),

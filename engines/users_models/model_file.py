@@ -232,7 +232,8 @@ def rigid_bodies(
     Parameters
     ----------
     gone : names of links that have no body of their own but belong to the link that they are
-        attached to; by default the links that no joint moves
+        attached to; by default the links that no joint moves, except roots and links attached to
+        `WORLD`
     """
     if gone is None:
         gone = {li.name for li in links if li.parent and not li.moves and li.parent != WORLD}

@@ -214,8 +214,8 @@ class Effect:
     decay : returns the fastest rate at which the effect slows the body, 1/s
     potential : returns the potential energy, J, (n,); None if the effect has none
     momentum_body, kinetic : return what rotors add to L, kg m²/s, (n, 3), and to T, J, (n,)
-    work : returns an energy of rotors, J, (n,), whose change is the work of their drives, which E
-        gains; None without drives
+    work : returns an energy of rotors, J, (n,), whose change along a motion is the work that their
+        drives have done, and by which E has grown; None for an effect without drives
     wrong_momentum : words for an engine that counts the rotors' angular momentum wrongly, with {}
         where the factor stands
     force : returns the upward force of a constraint that cannot pull, N, (n,)
