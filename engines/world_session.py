@@ -85,7 +85,7 @@ class WorldSession(Session):
         return {"gravity" if right else f"a gravity of {vector.tolist()} m/s²": bool(vector.any())}
 
     def pushed_by(self, torque: FloatArray) -> dict[str, bool]:
-        """Return names for a torque on the body at rest, and whether each acts.
+        """Return names for a torque on the body at rest at its present attitude: whether each acts.
 
         The names are those of the scene's torques, and one for a torque that differs from them.
 

@@ -103,7 +103,9 @@ class ErrorNorm:
     def extrapolated(
         self, coarse: FloatArray, fine: FloatArray, orders: FloatArray | list[int]
     ) -> FloatArray:
-        """Return Richardson's extrapolation of two tables (Hairer, Nørsett & Wanner I, §II.4).
+        """Return the table of the limit dt → 0 by Richardson's extrapolation of two tables.
+
+        Its quaternions are normalised (Hairer, Nørsett & Wanner I, §II.4).
 
         Parameters
         ----------
@@ -161,7 +163,10 @@ def error_series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> E
 
 
 def errors_between(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Errors:
-    """Return the error of `motion` in each signal: its largest distance from `exact`."""
+    """Return the error of `motion` in each signal: its largest distance from `exact`.
+
+    It raises ValueError if the two are not sampled at the same times.
+    """
     return error_series(scenario, motion, exact).worst()
 
 

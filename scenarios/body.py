@@ -126,7 +126,8 @@ def body_about_origin(
 def body_of_particles(particles: Sequence[Sequence[float]]) -> Body:
     """Return the rigid body of point masses, given as rows of mass, kg, and x, y, z, m.
 
-    I_jk = Σ m (r² δ_jk − r_j r_k), summed exactly (Goldstein, Classical Mechanics, §5.3).
+    I_jk = Σ m (r² δ_jk − r_j r_k), summed in extended precision (Goldstein, Classical Mechanics,
+    §5.3). ValueError is raised as by `Body`, for example for particles on one line.
     """
     with mp.workdps(DIGITS):
         rows = [exact(row) for row in particles]

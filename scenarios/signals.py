@@ -65,9 +65,9 @@ class Signal:
     depends_on : which of "omega" and "attitude" bound the signal's order of accuracy by their own
     exists : returns whether a scene has the signal
     in_flight : returns the relative change of the signal of a free body if each number of its state
-        changes by one ulp. Its last argument has the changes of all signals if only attitude and ω
-        change. It allows for engines that integrate the flight of another point than the com. None
-        if the signal depends on the rotation alone
+        changes by one ulp. Its last argument is as in `growth`. It allows for engines that
+        integrate the flight of another point than the com. None if the signal depends on the
+        rotation alone
     """
 
     name: str

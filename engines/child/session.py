@@ -21,7 +21,7 @@ CLOCK_SLACK = 0.01
 class ChildSession(Session):
     """A session of one scene in a child process, which no other session uses meanwhile.
 
-    The child's body axes are the principal axes of the scene's body, their origin the com.
+    The child is given the scene along the principal axes of the body without rotors, from its com.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class ChildSession(Session):
         self._left = 0
 
     def read_body(self) -> BodyReading:
-        """Return the body as the child holds it, in the scene's body axes and from its origin."""
+        """Return the body as the child holds it, in the axes and from the origin of the scene's."""
         body = self._opened.body
         parts = [
             HeldRotor(one.mass, np.array(one.com), one.inertia_com, np.array(one.axis))

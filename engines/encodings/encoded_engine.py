@@ -93,7 +93,7 @@ class EncodedEngine(Engine):
         body: BodyReading,
         state: State,  # noqa: ARG002
     ) -> list[Difference]:
-        """Return the differences of the body from the scene's of more than `SAME_BODY` ulp.
+        """Return the differences of the body from the scene's that exceed `SAME_BODY` ulp.
 
         The start is not compared: if it is wrong, the motion shows it.
         """

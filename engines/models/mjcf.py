@@ -114,12 +114,12 @@ def switched_off(scenario: Scenario) -> tuple[str, ...]:
 
 @lru_cache(maxsize=RECENT)
 def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
-    """Return qpos and qvel at t = 0.
+    """Return qpos and qvel at t = 0, in SI units, for a body on a free joint or a ball joint.
 
-    A ball joint has the attitude (w, x, y, z) and ω in body axes; angles and spins of rotors that
-    turn come last. Those of a free joint begin with the position and velocity of the body frame's
-    origin, not of the com, in world axes (MuJoCo documentation, "Floating objects"); those of a
-    body on slides begin with the position and velocity of its tip along the slides.
+    qpos has the attitude, w x y z, and qvel has ω in body axes. For a free body they are preceded
+    by the position and velocity of the body frame's origin, not of the com, in world axes (MuJoCo
+    documentation, "Floating objects"), and for a body on a table by the position and velocity of
+    its tip along the slides. Angles and spins of rotors that turn come last.
     """
     start, constraint, rotors = scenario.start, scenario.constraint, scenario.rotors
     q, omega_body, lever = start.q_exact, start.omega_body_exact, constraint.lever_exact

@@ -195,7 +195,7 @@ def _add_shape(
 ) -> None:
     """Add a collision shape to the last link; `center` is in m, `rpy` in rad.
 
-    `shape` is its tag in URDF, and `sizes` are the attributes of that, m.
+    `shape` is the tag of the shape in URDF, and `sizes` are the attributes of this tag, m.
     """
     collision = ET.SubElement(robot.findall("link")[-1], "collision")
     ET.SubElement(collision, "origin", xyz=decimals(center), rpy=decimals(rpy))

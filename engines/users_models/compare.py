@@ -29,8 +29,8 @@ class BodyDifference:
     com : distance of the coms, relative to the radius of gyration or |com| of the file's body,
         whichever is larger
     inertia : norm of the difference of the tensors about the com, relative to the file's tensor
-    axes_deg : the smallest rotation between the principal axes, free axes chosen as in
-        `angle_between_axes`
+    axes_deg : the smallest rotation from the file's principal axes to the engine's, degrees; where
+        equal moments leave axes undetermined, they are chosen as in `angle_between_axes`
     """
 
     mass: float

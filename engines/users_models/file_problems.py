@@ -96,7 +96,7 @@ def _digits(small: float, middle: float, large: float) -> str:
 def _placeholder(stated: Stated) -> Iterator[tuple[str, str]]:
     """Yield kind and text of a fault if the tensor is a placeholder.
 
-    That is a power of ten times the identity, before the rotation of its own frame.
+    A placeholder is a power of ten times the identity, before the rotation of its own frame.
     """
     moment = float(stated.unturned[0, 0])
     exponent = round(np.log10(moment)) if moment > 0 else 0

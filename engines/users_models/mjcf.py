@@ -37,8 +37,8 @@ def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tup
     Raises
     ------
     ModelFileError
-        If a value is not a number, an include lies outside the folders, or there are too many
-        bodies.
+        If there are no bodies or too many, a value is missing, is not a number or is stated twice,
+        or `files` refuses a file or the number of elements.
     """
     files.check(root)
     reader = _Reader(root.file, _compiler(root), notes=changing_options(root))

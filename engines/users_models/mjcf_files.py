@@ -45,7 +45,7 @@ class CheckedFiles:
     def check(self, root: Element) -> int:
         """Check a model, and replace the names of the files that it names.
 
-        Returns the number of elements that MuJoCo generates from it, besides those in the file.
+        The number of elements is returned that MuJoCo generates from it, besides those in the file.
 
         Raises
         ------

@@ -24,7 +24,8 @@ def urdf_links(robot: Element) -> tuple[Link, ...]:
     Raises
     ------
     ModelFileError
-        If a value is not a number, or links and joints form no tree.
+        If there are no links, a name or value is missing, stated twice or not a number, or links
+        and joints form no tree.
     """
     elements: dict[str, Element] = {}
     for element in robot.all("link"):

@@ -60,7 +60,10 @@ class VersionedEngine(Engine):
         return tuple(sorted(file.parent.glob("*.py")))
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Open a scene as the adapter does, in the process of this version."""
+        """Open a scene as the adapter does, in the process of this version.
+
+        In any other process it raises `EngineError`.
+        """
         return self._adapter().open(scenario, method, timestep)
 
     def _adapter(self) -> Engine:

@@ -258,7 +258,7 @@ class Effect:
     def is_force(self) -> bool:
         """Whether the effect is a force that accelerates a free body's com, as gravity is.
 
-        It is if it is neither a torque, nor a constraint, nor a rotor.
+        These are all effects that are neither torques, nor constraints, nor rotors.
         """
         return not (self.pushed or self.constraint or self.is_part)
 

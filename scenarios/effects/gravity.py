@@ -39,10 +39,11 @@ def torque_body(scenario: Scene, R_world_body: FloatArray) -> FloatArray:
 
 
 def swing_rate(scenario: Scene) -> float:
-    """Return √(m g l / I), the rate of a small swing under gravity, rad/s; 0 for a free body.
+    """Return √(m g l / I), the rate of a small swing under gravity, rad/s.
 
-    I is the least moment about an axis across the lever, as gravity's torque is across the lever: a
-    needle that hangs by its end swings slowly, however small its moment about its length.
+    It is 0 for a free body, and for a body that is held at its com. I is the least moment about an
+    axis across the lever, as gravity's torque is across the lever: a needle that hangs by its end
+    swings slowly, however small its moment about its length.
     """
     lever = scenario.constraint.lever
     arm = float(np.linalg.norm(lever))
