@@ -34,7 +34,7 @@ class OtherEquations(NamedTuple):
     Attributes
     ----------
     inertia, inverse, gyroscopic, turning : I, its inverse, G, A, (3, 3)
-    kept : h, the angular momentum of rotors relative to the body, kg m²/s, (3,)
+    kept : h, the sum of the rotors' constant angular momenta about their axles, kg m²/s, (3,)
     gravity_world : g, m/s², (3,)
     pull : l, mass times the vector from a pivot to the com, kg m, (3,); zero without a pivot
     torque, torque_world : constant torques along body axes and along world axes, N m, (3,)

@@ -24,7 +24,7 @@ from .other_equations import (
 )
 
 Vector = tuple[float, float, float]
-#: Row by row.
+#: A 3 × 3 matrix, row by row.
 Matrix = tuple[float, float, float, float, float, float, float, float, float]
 
 #: How many numbers each attribute has that is not a single one or a vector.

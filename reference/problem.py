@@ -18,19 +18,20 @@ class Problem:
 
     Attributes
     ----------
-    moments : principal moments of inertia about the fixed point, kg m²
+    moments : principal moments of inertia about the fixed point, kg m², without the moments of
+        rotors on free hinges about their axles
     q_world_axes : attitude at t = 0, of unit norm to working precision
     omega_axes : angular velocity at t = 0 along the principal axes, rad/s
     lever_axes : mass times the vector from the fixed point to the centre of mass, kg m; zero unless
         the scene has both a pivot and gravity
-    gravity_world : acceleration, m/s²
+    gravity_world : acceleration, m/s², world axes
     torque_axes, torque_world : constant torques along the principal and the world axes, N m
     drag : coefficient c of the torque −c ω, N m s
     tip_axes : vector from the centre of mass to the centre of the sphere that slides on a table, m;
         zero without a table
     tip_radius : radius of that sphere, m
     ends_at_lift_off : whether the motion ends where the table would have to pull
-    mass : mass of the body, kg
+    mass : mass of a body on a table, kg; 1 without a table, where it is not used
     q_axes_body : quaternion that takes body components to components along the principal axes
     kept, kept_axes : for each rotor, the constant angular momentum about its axle, kg m²/s, and the
         axle as a unit vector, along the principal axes

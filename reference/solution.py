@@ -17,8 +17,9 @@ class Solution:
     conditioning : change of the motion by a relative change of one ulp in the start and the body,
         to first order and in the worst direction. Symmetric bodies stay symmetric: rounding, step
         by step, changes states and not the body
-    horizon : s, the time at which the uncertainty of a chaotic motion exceeds `MAX_UNCERTAINTY`,
-        or at which a body leaves its table; the trajectory ends before it. None if neither happens
+    horizon : s, the first of the given times at which the uncertainty of a chaotic motion exceeds
+        `MAX_UNCERTAINTY`, or the time at which a body leaves its table; the trajectory ends before
+        it. None if neither happens
     lifts_off : whether the trajectory ends because the body leaves its table
     """
 

@@ -34,7 +34,8 @@ from .taylor import (
 )
 
 EPS = float(np.finfo(float).eps)
-#: Rounding, in ulp, of the states to double, and of L and E, which are computed from them.
+#: Error, relative or in rad, by rounding of the states to double, and of L and E, which are
+#: computed from them.
 ROUNDING = 8 * EPS
 #: Error, rad, for each radian turned: a closed form's phase is a time t multiplied by a rate in
 #: double-double, whose relative error is at most EPS²/4.

@@ -21,7 +21,8 @@ def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
     """Return the error of each signal that rounding of a motion's states to doubles causes.
 
     It is relative or in rad, and large where opposite angular momenta cancel. Rounding errors of
-    single components have random signs, so that the squares of their effects are added.
+    single components have random signs, so that the squares of their effects are added. Not more
+    than `LOOKED_AT` samples are examined.
     """
     every = -(-len(motion.t) // LOOKED_AT)
     seen = motion.every(every)

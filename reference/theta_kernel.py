@@ -34,8 +34,8 @@ class ThetaTables(NamedTuple):
     ----------
     hyperbolic : whether harmonics are sinh and cosh
     endless : whether the motion never repeats: its argument is not reduced
-    clock : (3, 2) double-doubles: cells (periods of the argument) per second, cells at t = 0,
-        argument per cell
+    clock : (3, 2) double-doubles: cells per second, cells at t = 0, and argument per cell. A cell
+        is a half period 2K of sn and cn, or 1 for a motion that never repeats
     kinds : (ROWS, 2) kind of harmonics of the real and the imaginary part
     coefficients : (ROWS, 2, n) coefficients of the harmonics
     halved : (ROWS,) whether the series is in x/2

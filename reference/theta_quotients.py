@@ -76,7 +76,8 @@ class Clock:
     ----------
     lattice : periods of the theta functions
     rate : dx/dt, rad/s
-    start : x at t = 0, rad, at most half a period ("cell") of the argument
+    start : x at t = 0, rad, at most half a cell; a cell is the change of x by a half period 2K of
+        sn and cn (`Lattice.half_period`)
     """
 
     lattice: Lattice
@@ -98,7 +99,7 @@ class Quotient(NamedTuple):
     halved : whether these series are in x/2
     power : power of √θ4 in the denominator
     turns_per_second, turns_at_start, turns_per_cell : the phase, in turns: its rate, its value at
-        t = 0, and its change by each period of the argument x
+        t = 0, and its change by each cell of the argument x (see `Clock`)
     """
 
     real: Harmonics
@@ -145,8 +146,8 @@ def turning(value: mpc, rate: mpf = 0) -> Quotient:
 def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Quotient:
     """Return a quotient with the denominator θ4 whose phase changes only from cell to cell.
 
-    `turns_per_cell`, its change by each period of x, is half a turn for a function that changes its
-    sign in each cell, else 0.
+    `turns_per_cell`, its change by each cell, is half a turn for a function that changes its sign
+    from cell to cell, else 0.
     """
     return Quotient(real, imaginary, False, 2, mpf(0), mpf(0), turns_per_cell)
 

@@ -12,8 +12,8 @@ from .text import decimals, xml_text
 #: Radius of the sphere that replaces a tip that is a point, as a share of the distance from tip to
 #: com. The plane is lowered by this radius, so that the tip keeps its height.
 SHARE_OF_LEVER = 0.25
-#: Height by which the plane is raised, relative to the sphere's radius, so that rounding never
-#: leaves the start off it.
+#: Height by which the plane is raised, relative to the sum of its height, the radii and the lever,
+#: so that rounding never leaves the start off it.
 TOUCHING = 1e-12
 #: MuJoCo's names of the passes that a contact needs.
 PASSES = frozenset({"constraint", "contact"})

@@ -13,7 +13,7 @@ from .model_file import Link, RigidBody, Stated, principal_moments
 IMPOSSIBLE = frozenset(
     ("negative mass", "zero mass", "zero tensor", "not positive definite", "triangle inequality")
 )
-#: Relative rounding error of the eigenvalues of a tensor, in ulp.
+#: Relative rounding error of the eigenvalues of a tensor.
 ROUNDING = 16 * float(np.finfo(float).eps)
 #: Factor by which the shapes are enlarged before a link's mass must fit into them. Shapes are made
 #: for looks and for speed, so that mass may lie a little outside; a doubtful tensor is rarely off

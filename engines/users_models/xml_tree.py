@@ -34,8 +34,8 @@ MAX_DEPTH = 256
 #: file of the largest permitted size could have millions of elements, each of which takes hundreds
 #: of times its bytes in memory, and an engine compares the attributes of an element pairwise.
 MAX_ELEMENTS, MAX_ATTRIBUTES = 1 << 18, 1 << 8
-#: Largest length of a name, and of the separator that a replicate puts before a number: all are
-#: shown.
+#: Largest length of a name, and of the separator that a replicate puts before a number, since
+#: names of links are shown; and the attributes that the limit applies to.
 MAX_NAME, NAMING = 1 << 10, ("name", "sep")
 #: Number of characters of a value that are shown.
 MAX_SHOWN = 60
