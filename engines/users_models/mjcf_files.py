@@ -43,9 +43,9 @@ class CheckedFiles:
         self.files: dict[str, str | Path] = {}
 
     def check(self, root: Element) -> int:
-        """Check a model, and replace the names of the files that it names.
+        """Check a model, replace the names of the files that it names; return a number of elements.
 
-        The number of elements is returned that MuJoCo generates from it, besides those in the file.
+        These are the elements that MuJoCo generates from the model, besides those in the file.
 
         Raises
         ------
