@@ -43,8 +43,8 @@ class Engine(Adapted, ABC):
     name : as users type it
     methods : what it can simulate with
     single_precision : whether it holds its state in floats of 24 bits
-    least_turn : rotation of the body in a step, rad, below which the engine's solver treats a
-        constraint as if it did not turn with the body
+    least_turn : rad; smaller rotations in a step, by ω or by the correction of a constraint, are
+        left out by the engine
     stock_timestep : s, the default timestep; None where users have to set one
     step_seconds, steps_in : no longer read; adapters may still state them
     package : of an optional engine, the package that it needs, imported when a scene is opened
