@@ -1,7 +1,8 @@
 """The changes of a scene's equations of motion that may explain a motion computed wrongly.
 
-Each change has k parameters, which are fitted; zeros change nothing. The same changes explain the
-gains of an engine's steps, and recorded motions.
+A change with k > 0 parameters changes nothing if these are zero, and they are fitted. A change
+without parameters sets terms of the equations to given values. The same changes explain the gains
+of an engine's steps, and recorded motions.
 """
 
 from collections.abc import Callable, Iterator
@@ -28,9 +29,10 @@ from .other_tensors import (
     without_rotation,
 )
 
-#: Axes of conventions of Euler angles (intrinsic, in the order of the rotations). Where all three
-#: differ, rates are in the order x, y, z. The convention zxz is left out, as its rates are those of
-#: zyz.
+#: Conventions of Euler angles, whose rates may be confused with ω: the indices of the axes of the
+#: three intrinsic rotations, in their order. The rates are in the order x, y, z if all three axes
+#: differ, and else in the order of the rotations. The convention zxz is left out, as its angles
+#: have the same rates as those of zyz.
 EULER_ANGLES = (*permutations(range(3)), (2, 1, 2))
 #: Which components of a vector are taken for its x, y and z: 1 to 3, negative for the other sign.
 #: The vector itself and its negative are left out.
@@ -47,7 +49,8 @@ def changes(scenario: Scenario) -> Iterator[Change]:
     base = as_it_is(scenario)
     yield from _of_kinematics()
     yield from _of_gyroscopic_torque(scenario, base.equations)
-    # Before other tensors, as one of which drag or a torque hardly acts on explains the same.
+    # Changes of effects come before other tensors: a tensor so large that drag or a torque hardly
+    # acts on the body explains the same motion.
     yield from of_effects(scenario, base.equations)
     for kind, numbers, tensor in other_tensors(scenario):
         yield set_to(kind, numbers, **_body(tensor))
@@ -56,7 +59,7 @@ def changes(scenario: Scenario) -> Iterator[Change]:
 
 
 def _body(tensor: FloatArray) -> dict[str, Any]:
-    """The terms of the equations of motion of a body with a tensor of inertia, kg m², (3, 3)."""
+    """The terms of the equations of motion, by name, that a tensor of inertia, kg m², makes."""
     return {"inertia": tensor, "inverse": inverse(tensor), "gyroscopic": tensor}
 
 
@@ -84,7 +87,10 @@ def _of_kinematics() -> Iterator[Change]:
 
 
 def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes of the gyroscopic torque ω × Gω, and of the axes that the tensors are along."""
+    """Changes of the gyroscopic torque ω × Gω, and of the axes along which tensors are constant.
+
+    Changes of the angular momentum of rotors, and of the inverse tensor, are among them.
+    """
     inertia, of_com = e.inertia, np.array(scenario.body.inertia_com)
     yield set_to("gyroscopic", (1.0,), gyroscopic=0 * inertia, kept=0 * e.kept)
     if scenario.constraint.is_pivot:
@@ -113,7 +119,8 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         yield set_to(kind, **terms)
         yield set_to(f"{kind}, not gyroscopic", **{**terms, "gyroscopic": 0 * inertia})
     yield set_to("tensor turned on", tensor_turns=2)
-    # As ω × cω is zero, G is known up to a multiple of 1: that nearest I is fitted.
+    # As ω × (c ω) is zero, G is known only up to a multiple of the identity. The G that is nearest
+    # to I, which has the same trace, is fitted.
     yield _with_trace(
         "gyroscopic tensor",
         inertia,
@@ -190,7 +197,7 @@ def _with_trace(
     apply: Callable[[Hypothesis, FloatArray], Hypothesis],
     is_possible: Callable[[Hypothesis, FloatArray], bool],
 ) -> Change:
-    """The change that fits a tensor with a fixed trace, by all entries but the first.
+    """The change that fits a tensor with a fixed trace, by the deviations of all entries but Ixx.
 
     Parameters
     ----------

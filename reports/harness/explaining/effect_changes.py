@@ -84,7 +84,7 @@ def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
             *(none[:1], rate),
             lambda h, n: h.of(slowing=np.array([0.0, n[0], 0.0])),
         )
-    # A damping has no rates of opposite signs, a constant one and one in proportion to ‖ω‖.
+    # In a damping at the rate a + b ‖ω‖, a and b have the same sign.
     yield fitted(
         "decays",
         *(none, np.array([rate, 1.0])),
@@ -94,16 +94,16 @@ def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
 
 
 def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None) -> Change:
-    """The change to a drag whose coefficient is fitted, and depends on a power of ‖ω‖.
+    """The change to a drag f ‖ω‖ᵖ ω in place of the scene's drag, with a fitted f.
 
     Parameters
     ----------
-    power : the power; fitted as well if None
+    power : the power p; fitted as well if None
     """
     c, rate = e.slowing[0], usual_rate(scenario, e)
 
     def friction(n: FloatArray) -> FloatArray:
-        """Return f and p of the drag f ‖ω‖ᵖ ω, which is (c + n[0]) ω at the scene's rate."""
+        """Return f and p; at ‖ω‖ = `rate` the drag is (c + n[0]) ω, with the scene's c."""
         p = float(np.clip(n[1], -POWER, POWER)) if power is None else power
         return np.array([(c + n[0]) * rate**-p, p])
 
@@ -149,7 +149,10 @@ def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """The change of the centre of mass, if a motion shows it: on a pivot, under gravity."""
+    """The change of the centre of mass, and so of gravity's torque and of the tensor.
+
+    It is yielded only if a motion shows it: on a pivot, under gravity.
+    """
     if scenario.constraint.is_pivot and e.gravity_world.any():
         place, mass = np.array(scenario.body.com), scenario.body.mass
 
@@ -161,14 +164,17 @@ def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def lever(e: OtherEquations) -> Iterator[Change]:
-    """The change of gravity's lever alone, with the tensor as it is, if gravity has a torque."""
+    """The change of mass times com, kg m, in the torque of gravity, with an unchanged tensor.
+
+    It is yielded only if gravity has a torque.
+    """
     if e.pull.any() and e.gravity_world.any():
         size = float(np.linalg.norm(e.pull))
         yield fitted("lever", e.pull, size, lambda h, n: h.of(pull=n))
 
 
 def of_momentum(e: OtherEquations) -> Iterator[Change]:
-    """Changes that scale the rotors' angular momentum; none if there is none."""
+    """Changes that scale the rotors' angular momentum; none if the rotors have none."""
     if e.kept.any():
         yield from factors("momentum", 0.0, -1.0, kept=e.kept)
 
@@ -184,5 +190,8 @@ def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
 
 
 def usual_rate(scenario: Scenario, e: OtherEquations) -> float:
-    """The rate at which the scene's state changes, or |ω| at its start, rad/s; 1 if both are 0."""
+    """The rate, rad/s, by which the parameters of changes are scaled.
+
+    It is `OtherEquations.rate`, or ‖ω‖ at the scene's start if that is 0, or 1 if both are 0.
+    """
     return e.rate or float(np.linalg.norm(scenario.start.omega_body)) or 1.0

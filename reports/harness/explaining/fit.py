@@ -1,7 +1,7 @@
 """Fits the parameters of changes to data, by nonlinear least squares.
 
 Residuals are in units of their standard deviation, which noise and a method's error make. Their
-sum of squares is χ².
+sum of squares is χ². Scaled parameters are parameters in units of `Change.scales`.
 """
 
 from abc import ABC, abstractmethod
@@ -19,12 +19,12 @@ from ....scenarios import FloatArray
 from ...results.evidence import Explanation
 from .hypothesis import SMALL, Change, Hypothesis
 
-#: The residual where a hypothesis leads to nan: no motion is that far off.
+#: The residual that stands for nan, and the largest size of a residual: no motion is that far off.
 NOT_FINITE = 1e30
 #: Singular values of a Jacobian below this, relative to the largest, count as zero.
 RANK = 1e-6
 EPS, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
-#: Evaluations of a fit at most.
+#: The largest number of times that a fit computes its residuals and their derivatives.
 EVALUATIONS = 20
 #: Tolerances of scaled parameters at which a fit ends: to all data, and to a part of them.
 TOLERANCE, ROUGH = 1e-9, 1e-3
@@ -54,9 +54,9 @@ class Data(ABC):
         """
 
     def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:  # noqa: ARG002
-        """How far p numbers of a hypothesis are from prior means, in prior deviations, (p,).
+        """The deviations of p numbers of a hypothesis from their prior means, (p,).
 
-        It is empty if there is no prior.
+        They are in units of the prior standard deviations; empty if there is no prior.
         """
         return np.empty(0)
 
@@ -87,8 +87,9 @@ class Fit:
     Attributes
     ----------
     hypothesis : the result of the changes with these parameters
-    parameters : those of all changes, (k,)
-    covariance : of the parameters, with their prior, if the residuals are noise, (k, k)
+    parameters : the parameters of all changes, in the order of these, not scaled, (k,)
+    covariance : covariance of the parameters given the data and the prior, (k, k); it is right only
+        if the residuals are noise
     residuals : in units of their standard deviation, (m,)
     rank : how many parameters the data determine
     jacobian : derivatives of the residuals by the scaled parameters, (m, k)
@@ -202,9 +203,10 @@ class Trial:
 
         Parameters
         ----------
-        before : a fit of some of the changes, whose parameters the fit starts from. Without one it
-            starts from zero, with the first samples, and goes on to all data, unless the residuals
-            of a part are so large that only local minima are left
+        before : a fit of some of the changes, whose parameters the fit starts from. If it is None,
+            the fit starts from zero with the first samples, and goes on to more and more of them.
+            If the mean square of the residuals of a part exceeds `UNEXPLAINED`, the fit ends, and
+            the residuals of all data are computed with the parameters of that part
         """
         if before is not None:
             return self._fit_from(self._start(before))
@@ -272,7 +274,7 @@ class Trial:
 
 
 def linear(data: Data, base: Hypothesis, changes: Sequence[Change]) -> list[Linear]:
-    """Each of some changes made alone in a hypothesis, linearised around parameters of zero."""
+    """Each change made alone in the hypothesis `base`, linearised around parameters of zero."""
     if not changes:
         return []
     around = [change.around(base) for change in changes]

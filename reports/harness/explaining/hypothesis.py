@@ -26,8 +26,8 @@ class Hypothesis(NamedTuple):
         along body axes; (3, 3), rad/s (3,), rad/s² (3,) and s
     low_pass : time constant, s, of a low-pass filter of first order that ω has passed
     is_begun : whether that filter begins at the first sample, with ω as it is there
-    turned, delay : the attitude that is read is that of `delay` s before, and that of axes turned
-        in the body by the rotation vector `turned`, rad, (3,)
+    turned, delay : the attitude that is read at a time t is q(t − `delay`), delay in s, turned in
+        the body by the rotation vector `turned`, rad, body axes, (3,)
     step : time by which a step advances the motion, in timesteps
     velocity : factor by which the com's velocity that is read is too large
     braking : rate at which the com of a body without a pivot is slowed, 1/s

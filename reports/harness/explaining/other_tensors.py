@@ -105,7 +105,10 @@ def without_rotation(tensor: FloatArray) -> Iterator[FloatArray]:
 
 
 def about_conjugated_axes(tensor: FloatArray) -> Iterator[FloatArray]:
-    """The tensors, (3, 3), that the inverse rotation to principal axes, in any order, leads to."""
+    """The tensors, (3, 3), that result if the rotation to the principal axes is inverted.
+
+    There is one for each order and each sign of the principal axes.
+    """
     moments, axes = np.linalg.eigh(tensor)
     for order in map(list, permutations(range(3))):
         for signs in HALF_TURNS:

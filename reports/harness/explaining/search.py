@@ -27,9 +27,10 @@ SAME = 1e-3
 #: more of them, equations that are not a motion's own can match it if it is smooth and turns by
 #: some radians only.
 MOST_OF_ALL = 10
-#: A change is fitted if, linearised, it reduces the root mean square of the residuals to this
-#: fraction or less; a pair of changes, if it so reduces that of either change alone. Of the pairs
-#: with equal numbers of parameters the best `PAIRS` are fitted.
+#: A change is fitted if, linearised, it reduces the root mean square of the residuals to the
+#: fraction `PROMISING` or less. A pair of changes is fitted if it so reduces the residuals that the
+#: better one of its changes leaves. Of the pairs with equal numbers of parameters only the best
+#: `PAIRS` are fitted.
 PROMISING, PAIRS = 0.5, 3
 
 
@@ -42,7 +43,8 @@ class Search:
     changes : the changes that are tried
     most : the most parameters of a fit whose residuals exceed noise and a method's error, because a
         fit with many parameters explains a part of anything; no limit if None
-    part : the fraction to which a change must reduce the residuals to explain them
+    part : the fraction to which a change must reduce the root mean square of the residuals to
+        explain them; a change that leaves no more than noise explains them in any case
     """
 
     data: Data
@@ -116,6 +118,9 @@ class Search:
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
         """The fit with the fewest parameters that explains the data, unless another is far better.
 
+        A fit with more parameters is far better if it lowers χ² significantly; one with as many
+        also if it leaves far smaller residuals.
+
         Returns
         -------
         None if no fit explains the data
@@ -147,14 +152,15 @@ class Search:
         return fit.rank <= MOST_OF_ALL and not self.exceed_noise(fit.residuals)
 
     def improvement(self, before: Fit, after: Fit) -> float:
-        """The decrease of χ² by the further parameters of a second fit, less that by chance."""
+        """The decrease of χ² from a fit to one with more parameters, less the largest by chance."""
         decrease = self.data.chi2_decrease(before.residuals, after.residuals)
         return decrease - self._critical(after.rank - before.rank)
 
     def _critical(self, parameters: int) -> float:
-        """The decrease of χ² from which on a number of further parameters are significant.
+        """The smallest decrease of χ² at which a number of further parameters are significant.
 
-        As many changes are tried as `changes` has (Bonferroni).
+        The significance level is divided by the number of changes that are tried (Bonferroni).
+        Less than one further parameter counts as one.
         """
         return float(chdtri(max(1, parameters), SIGNIFICANCE / len(self.changes)))
 

@@ -22,9 +22,10 @@ from .samples.mistakes import FITS
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
-#: Error of a short flow by rounding, in units of the relative resolution of the printed numbers.
+#: Error by rounding in following the exact motion over a short interval, in units of the relative
+#: resolution of the printed numbers.
 ROUNDINGS = 8.0
-#: Error of ω that is computed from attitudes, in multiples of the error of nearly all samples.
+#: Largest error of an ω that is computed from attitudes, in multiples of `DerivedOmega.error`.
 STENCIL_ERRORS = 4.0
 
 
@@ -40,7 +41,7 @@ class Case:
     order : order of accuracy of the method that computed it
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,), of the noise or coarse
         rounding that earlier findings showed; zeros if they showed none
-    undone : how many mistakes have been undone in the reading
+    undone : how often mistakes in recording have been undone in the reading
     is_smooth : whether samples have been left out because of a jump: no more jumps are looked for
     is_trial : whether the case is only tried: its explanation ends early if something stays open
     """
@@ -91,9 +92,9 @@ class Case:
 
         Returns
         -------
-        None if the exact motion is not known at its times, if it has negative times, or fewer
-        samples and other times, or if ω was not recorded and its attitudes are too far apart to
-        compute it
+        None if the reading has both fewer samples and other times, if its other times begin before
+        0 or the exact motion is not known at them, or if ω was not recorded and the attitudes are
+        too far apart to compute it
         """
         t = self.reading.t
         kept = np.flatnonzero(np.isin(t, reading.t))
@@ -174,7 +175,7 @@ class Case:
     def jumps(self, base: Hypothesis | None = None) -> list[Jump]:
         """Return the jumps of a motion that obeys the equations between nearly all samples.
 
-        The list is empty if the motion does not, or has no jump.
+        The list is empty if the motion does not obey them, or has no jump.
 
         Parameters
         ----------

@@ -33,7 +33,8 @@ from .samples.intervals import intervals_of
 from .samples.missing import is_omega_off
 from .samples.mistakes import FITS, followed
 
-#: The largest noise of attitude, rad, and of ω, relative, that is made by a solver.
+#: The largest errors of attitude, rad, and of ω, relative to the largest ‖ω‖, that the iterative
+#: constraint solver of an engine scatters like noise.
 SOLVERS = 1e-4
 #: If a motion is not explained as a whole, its first half and first quarter are tried; the least
 #: number of samples in such a part.
@@ -171,7 +172,8 @@ def _since_exactly(case: Case) -> Explanation | None:
 
     Returns
     -------
-    None if there is no such sudden change
+    None if there is no such sudden change, if some samples are too far apart, or if the recording
+    does not begin at the scene's start
     """
     physics = case.physics
     of_method = case.timestep, case.order, case.of_intervals
@@ -217,14 +219,15 @@ def _beside_a_mistake(case: Case) -> Explanation | None:
 
 
 def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
-    """Return the noise of a motion, and any alternation from sample to sample beside this noise.
+    """Return the noise of a motion, and what alternates from sample to sample and is not noise.
 
-    The noise is the stated one, or that found in the recording's numbers, or what alternates.
+    The noise is the stated one. If none is stated, it is the noise that earlier findings showed, or
+    else what alternates, if that looks like noise and the motion is not known to be computed.
 
     Returns
     -------
-    Standard deviations of attitude, rad, and ω, rad/s, (2,), and the alternation; either may be
-    None
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,); None if the motion has none
+    alternates : None if nothing alternates, or if the noise was estimated
     """
     alternates = alternation(case.scenario, case.motion, case.rounding)
     if case.stated is None and case.noise.any():
@@ -242,12 +245,18 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
 
 
 def _of_solvers(case: Case) -> FloatArray:
-    """Return the largest noise that a solver makes, of attitude, rad, and ω, rad/s, (2,)."""
+    """Return the largest noise, by `SOLVERS`, of attitude, rad, and ω, rad/s, (2,)."""
     return SOLVERS * np.array([1.0, norms(case.motion.omega_body).max()])
 
 
 def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
-    """Explain a motion that was computed, and has no noise."""
+    """Return what explains a motion that was computed, and has no noise.
+
+    Parameters
+    ----------
+    alternates : what alternates from sample to sample of the motion; None if nothing does, or if ω
+        was not recorded
+    """
     physics, motion = case.physics, case.motion
     of_spins = spins_beyond(case.scenario, motion, case.timestep, case.order, case.floor)
     words = of_method = physics.of_other_method
@@ -282,8 +291,8 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
 def _of_attitudes(case: Case) -> list[str]:
     """Return the sentences on changes that explain the attitudes alone, and on how ω was read.
 
-    None are returned if changes that explain the whole motion leave no more than noise or a
-    method's errors.
+    None are returned if the case is only tried, if ω was not recorded, or if changes that explain
+    the whole motion leave no more than noise or a method's errors.
     """
     physics = case.physics
     found = physics.found or physics.by_change
@@ -324,7 +333,7 @@ def _of_readings(physics: Physics) -> list[str]:
 
 
 def _of_measured(fit: Measured, case: Case) -> Explanation:
-    """Explain a measured motion, by other physics if its residuals exceed noise."""
+    """Return what explains a measured motion: other physics if its residuals exceed noise."""
     physics = case.physics
     words = physics.dissipated if fit.search.is_called_for else []
     if not words and fit.is_beyond and (physics.clamps or physics.by_change is None):

@@ -14,7 +14,7 @@ from .samples.interpolated import interpolated
 from .samples.mistakes import mistakes, rounded_times, without
 from .samples.odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wrapped
 
-#: Most mistakes that are undone, one after the other.
+#: Mistakes are looked for as long as they have been undone at most so many times before.
 MOST_UNDONE = 2
 
 
@@ -91,7 +91,7 @@ def _odd_samples(case: Case) -> Shown | None:
 def _of_mistakes(case: Case) -> Finding | None:
     """Return mistakes in recording, and the case without them; None if none is found.
 
-    None are looked for once more than `MOST_UNDONE` have been undone.
+    None are looked for if mistakes have been undone more than `MOST_UNDONE` times before.
     """
     reading, scenario = case.reading, case.scenario
     if case.undone > MOST_UNDONE:
@@ -116,7 +116,8 @@ def _of_jumps(case: Case) -> Finding | None:
     """Return jumps of the motion; None if there is none.
 
     The samples before the first jump remain to be explained, or all but the first sample if that
-    one is wrong.
+    one is wrong. None are looked for if samples have been left out because of a jump before, or if
+    a clamp explains the motion.
     """
     if case.is_smooth or case.physics.clamps or not (found := case.jumps()):
         return None

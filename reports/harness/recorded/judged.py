@@ -47,9 +47,10 @@ class JudgedMotion:
     verdict : a sentence on whether the motion is within the error of noise, or of a method with the
         given order and timestep
     is_beyond : whether the motion exceeds that error
-    errors : the largest error of each signal, by name; None for a signal that was not recorded
+    errors : the largest error of each signal, by name, of the attitude in rad, else relative; None
+        for ω, spins, and for com and velocity of a body without a pivot, if they were not recorded
     series : errors sample by sample
-    drifts : the largest change of each conserved quantity, relative
+    drifts : the largest relative change of each conserved quantity, by name
     defects : defects of the intervals between samples, by signal; empty if the exact flow cannot
         follow the motion
     explained_by : mistakes in recording, or other physics, that explain the difference, in words
@@ -134,7 +135,7 @@ class JudgedMotion:
 
 
 def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> JudgedMotion:
-    """Compare a recorded motion with the exact one at the same times.
+    """Return a recorded motion, compared with the exact one at the same times and explained.
 
     Parameters
     ----------
@@ -143,9 +144,10 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     Raises
     ------
     RecordingError
-        If the timestep is not positive or is longer than the samples are apart, the exact motion is
-        not known up to the last time, ω is missing and cannot be computed from the attitudes, or
-        the number of spins is not that of the scene's rotors.
+        If the timestep is not positive or is longer than all samples are apart, the exact motion is
+        not known up to the last time, times are so long that they must be in another unit than s,
+        ω is missing and cannot be computed from the attitudes, or the number of spins is not that
+        of the scene's rotors.
     """
     stated = recording.settings.get("timestep")
     timestep = None if stated is None else float(stated)

@@ -75,7 +75,8 @@ def study_of_files(
     Raises
     ------
     RecordingError
-        If timesteps are unknown or not halved, or the motions share no sample times.
+        If timesteps are unknown or not halved, the motions share fewer than two sample times, or
+        the exact motion is not known at these.
     """
     by_timestep = sorted(motions, key=lambda one: -_timestep(one))
     timesteps = [_timestep(one) for one in by_timestep]
@@ -104,7 +105,10 @@ def _steps(
     motions: Sequence[Trajectory],
     resolution: float,
 ) -> StepEvidence | None:
-    """Return the evidence of gains from sample to sample, while files are near the exact motion.
+    """Return the evidence of gains from sample to sample, near the exact motion.
+
+    Only intervals are used that end before the motion with the longest timestep is further than
+    `TOGETHER` from the exact one.
 
     Parameters
     ----------
@@ -114,7 +118,7 @@ def _steps(
 
     Returns
     -------
-    None if there are too few files, or if they are nowhere near the exact motion
+    None if there are fewer than `FEWEST_FILES` files, or if no interval is near the exact motion
     """
     scenario, exact = study.scenario, study.solution.trajectory
     beyond = error_series(scenario, motions[0], exact).first_beyond("attitude", TOGETHER)

@@ -18,8 +18,8 @@ from .....scenarios.rotation import (
 )
 from .recording import Recording, RecordingError
 
-#: Numbers of samples from which ω is computed; and the quantile of errors by which one of these is
-#: chosen, as errors are larger at either end.
+#: Numbers of samples, of which one is chosen, from which ω is computed; and the quantile of errors
+#: by which it is chosen: at either end of the recording errors are larger.
 STENCILS, NEARLY_ALL = (5, 7, 9), 0.9
 #: Largest turn between two samples, rad: over the four intervals of a stencil the direction of a
 #: turn must not be ambiguous.
@@ -35,8 +35,8 @@ class Reading(NamedTuple):
     Attributes
     ----------
     t : s, (n,)
-    q : with the scalar first, (n, 4)
-    omega : rad/s, (n, 3); None if it was not recorded
+    q : attitude, body to world, unit quaternions with the scalar first, (n, 4)
+    omega : rad/s, along the axes of `frame`, (n, 3); None if it was not recorded
     order, frame : the order of the recorded quaternion's components, and the axes of ω
     spins : of rotors, relative to the body, rad/s, (n, rotors); None if they were not recorded
     """

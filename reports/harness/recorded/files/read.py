@@ -37,12 +37,15 @@ MALFORMED = (ValueError, TypeError, tokenize.TokenError, SyntaxError)
 
 
 def read_npz(path: Path) -> Recording:
-    """Read a motion from an npz archive, whose arrays have the names of `QUANTITIES`.
+    """Read a motion from an npz archive: arrays with the names of `QUANTITIES`, and settings.
+
+    Arrays with other names are ignored. Whether all required arrays are there is not checked.
 
     Raises
     ------
     RecordingError
-        If the file does not hold such arrays.
+        If the archive cannot be read, an array is there twice or has a wrong type, shape or length,
+        or the value of a setting is not permitted.
     """
     arrays: dict[str, FloatArray] = {}
     settings: dict[str, str] = {}
@@ -118,7 +121,10 @@ def read_parquet(path: Path) -> Recording:
     Raises
     ------
     RecordingError
-        If the file does not hold such a table, or pyarrow is not installed.
+        If the file does not hold such a table, it has too many rows, the value of a setting is not
+        permitted, or pyarrow is not installed.
+    ColumnError
+        As for `columns_of`.
     """
     try:
         import pyarrow

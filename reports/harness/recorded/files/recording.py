@@ -30,7 +30,7 @@ class Quantity:
         `spin2`, … for the rotors
     written : another name of the quantity; except for times it is the name in `spincheck export
         --truth`, to which the components' letters are added
-    units : the units it may be in, that of SI first
+    units : the units it may be in, that of SI first, each with its factor to SI
     """
 
     name: str
@@ -227,7 +227,11 @@ def digits_of(value: float) -> int:
 
 
 def unit_of(numbers: FloatArray) -> float:
-    """Return the unit, to six digits, of which all numbers are multiples; 0 if there is none."""
+    """Return the unit, to six digits, that numbers are rounded to; 0 if none is found.
+
+    It is the smallest difference between two absolute values, or between one and 0, if all numbers
+    are multiples of this difference.
+    """
     sizes = np.unique(np.abs(numbers))
     distances = np.diff(sizes, prepend=0.0)
     distances = distances[distances > EQUAL * sizes[-1]]

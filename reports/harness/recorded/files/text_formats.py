@@ -155,7 +155,12 @@ def read_csv(path: Path) -> Recording:
     Raises
     ------
     RecordingError
-        If the file does not hold such a table.
+        If the file does not hold such a table, a line is too long or there are too many, or the
+        value of a setting is not permitted.
+    ColumnError
+        As for `columns_of`.
+    UnicodeDecodeError
+        If the file is not text in UTF-8.
     """
     settings: dict[str, str] = {}
     with path.open(encoding="utf-8-sig") as file:
@@ -187,7 +192,12 @@ def read_json_lines(path: Path) -> Recording:
     Raises
     ------
     RecordingError
-        If the file does not hold such lines.
+        If the file does not hold such lines, a line is too long or there are too many, or the value
+        of a setting is not permitted.
+    ColumnError
+        As for `columns_of`.
+    UnicodeDecodeError
+        If the file is not text in UTF-8.
     """
     settings: dict[str, str] = {}
     table: Table | None = None

@@ -12,8 +12,9 @@ from .intervals import NEAR, deviations_from_flow
 
 #: Least number of samples in which alternation can be found.
 FEWEST = 12
-#: Variance of fourth differences of noise, in variances of the noise: Σ (4 over k)², and less if
-#: three of the differences are of every second sample, (1 − B)(1 − B²)³.
+#: Variance of fourth differences of noise, in variances of the noise, by their lag: Σ (4 over k)²
+#: at a lag of one sample. At a lag of two samples, three of the four differences are between every
+#: second sample: the operator is (1 − B)(1 − B²)³, where B takes the sample before.
 OF_DIFFERENCES = {1: 70.0, 2: 40.0}
 #: Least ratio of fourth to third differences in what alternates. Noise has √3.5 and √(10/3); in
 #: what is smooth the ratio is less than the angle between samples, and two samples are less than
@@ -27,8 +28,8 @@ PRINTED = 2.0
 #: The factor by which an alternation that is no noise must exceed the least noise to be named: the
 #: rounding errors of single precision alternate, too.
 CLEARLY = 25.0
-#: The least noise of what is measured, rad, and relative to the fastest rate: what is less is the
-#: error of an integrator, or of its interpolation.
+#: The least noise of a measured attitude, rad, and of a measured ω, relative to the largest ‖ω‖:
+#: what is less is the error of an integrator, or of its interpolation.
 LEAST = 1e-6
 
 
@@ -42,8 +43,9 @@ class Alternation:
 
     Attributes
     ----------
-    every, every_second : root mean squares of third and of fourth differences of attitude, rad, and
-        ω, rad/s, of every sample or of every second one, (2, 2)
+    every, every_second : root mean squares of third differences, first row, and of fourth ones,
+        second row, in the columns of attitude, rad, and ω, rad/s; of every sample or of every
+        second one, (2, 2)
     throughout : whether most samples contribute to the fourth differences, so that these are not
         due to a single jump, for attitude and for ω, (2,)
     least : least size that counts as noise, above rounding and the error of an integrator's

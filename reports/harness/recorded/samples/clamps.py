@@ -71,8 +71,8 @@ def clamps(
 ) -> Iterator[Clamp]:
     """Yield clamps of ω with which the scene's equations lead from sample to sample.
 
-    The first sample is replaced by the exact start. A clamp is also found if ω stays at a bound, up
-    to rounding, beyond which the scene's equations lead, whatever else is wrong.
+    The first sample is replaced by the exact start. A clamp is also found, whatever else is wrong,
+    if ω stays at a bound up to rounding where the scene's equations lead beyond this bound.
 
     Parameters
     ----------

@@ -42,7 +42,8 @@ class Numbers:
     Attributes
     ----------
     t : s, (n,)
-    q, omega : as in the file, (n, 4) and, rad/s, (n, 3); `omega` is None if it was not recorded
+    q, omega : as in the file, in the order and along the axes of its columns, (n, 4) and, rad/s,
+        (n, 3); `omega` is None if it was not recorded
     q_exact, omega_exact : the exact attitude, scalar first, (n, 4), and the exact ω in the axes
         that the file states, rad/s, (n, 3)
     rates : mean ω from each sample to the next by the attitudes, in the axes of `omega`, rad/s,
@@ -84,7 +85,8 @@ class Numbers:
     def turns(self) -> Flags:
         """Whether the body turns from each sample to the next, (n - 1,).
 
-        It turns if both the exact motion and the ω of the earlier sample say so.
+        It turns if both the exact motion and the ω of the earlier sample say so: the recorded ω, or
+        the exact one if none was recorded.
         """
         least = 2 * CHANGES * self.resolution_q
         speeds = norms(self.omega_exact if self.omega is None else self.omega)[:-1]
@@ -97,7 +99,10 @@ class Numbers:
 
     @cached_property
     def same_omega(self) -> Flags:
-        """Whether ω is that of the sample before, to the last digit, (n - 1,)."""
+        """Whether ω is that of the sample before, to the last digit, (n - 1,).
+
+        It is true throughout if ω was not recorded.
+        """
         if self.omega is None:
             return np.ones(len(self.spans), dtype=bool)
         return np.asarray((self.omega[1:] == self.omega[:-1]).all(axis=1))

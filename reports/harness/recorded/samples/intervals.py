@@ -88,7 +88,10 @@ class Intervals(Data):
             return apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale
 
     def apart(self, equations: OtherEquations) -> FloatArray:
-        """Return the deviations of the ends from an exact flow, rad and rad/s, (S, 6)."""
+        """Return the deviations of the ends from the exact flow by equations, (S, 6).
+
+        They are a rotation vector, rad, and the difference of ω, rad/s, body axes.
+        """
         return apart(follow(equations, self.starts, self.spans)[:, 0], self.ends)
 
     def with_error(self, size: FloatArray) -> "Intervals":
@@ -121,14 +124,15 @@ class Intervals(Data):
 
 
 def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
-    """Return the deviations of recorded states from computed ones, rad and rad/s, (..., S, 6).
+    """Return the deviations of recorded states from computed ones, (..., S, 6).
 
-    Those of the attitude are rotation vectors.
+    They are a rotation vector from the computed to the recorded attitude, rad, and the difference
+    of ω, rad/s, both in body axes.
 
     Parameters
     ----------
-    computed : one or several computations of all states, (..., S, 7)
-    recorded : (S, 7)
+    computed : q, scalar first, and ω, rad/s, of one or several computations, (..., S, 7)
+    recorded : recorded q and ω, (S, 7)
     """
     q = np.broadcast_to(recorded[:, :4], (*computed.shape[:-1], 4)).reshape(-1, 4)
     turned = rotation_vectors(computed[..., :4].reshape(-1, 4), q).reshape(*computed.shape[:-1], 3)
@@ -212,7 +216,9 @@ def intervals_of(
     most: int | None = None,
     near: float = NEAR,
 ) -> Intervals | None:
-    """Return the intervals of a motion that are short enough; None if they are too few.
+    """Return the intervals of a motion that are short enough.
+
+    It is None if fewer than `FEWEST_INTERVALS` are, or if ω is 0 at all samples.
 
     Parameters
     ----------

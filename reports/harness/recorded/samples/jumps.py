@@ -33,7 +33,7 @@ class Jump:
 
     Attributes
     ----------
-    kind : jumps of one kind are counted together
+    kind : name of the kind of jump; jumps of one kind are counted together
     at : time of the first sample that differs from the motion before it, s
     words : a sentence
     """
@@ -47,7 +47,8 @@ def jumps(data: Intervals, reach: int) -> list[Jump]:
     """Return the jumps of a motion, the first of each kind, with how many there are in words.
 
     Of more than `KINDS_TOLD` kinds the first are returned. The list is empty if there is no jump,
-    or if more than a tenth of all intervals have one.
+    if more than a tenth of all intervals have one, or if the deviations decay from the first
+    interval on, as by a filter that starts with the motion.
 
     Parameters
     ----------
@@ -85,7 +86,7 @@ def jumps(data: Intervals, reach: int) -> list[Jump]:
 def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[int]:
     """Return the indices of the intervals whose deviations are far larger than the others'.
 
-    The list is empty if there are too many.
+    The list is empty if they are more than the fraction `LEFT` of all intervals.
 
     Parameters
     ----------
@@ -111,6 +112,8 @@ def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[i
 
 def _goes_on(data: Intervals, k: int, last: int, chi2: float) -> bool:
     """Whether the exact flow from the start of interval `k` leads to the end of interval `last`.
+
+    It is false if the intervals between them are not consecutive.
 
     Parameters
     ----------

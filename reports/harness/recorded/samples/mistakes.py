@@ -25,9 +25,9 @@ from .other_readings import equal_times, other_readings
 #: of samples in a beginning. A motion by other equations is closer to the exact one over the
 #: shorter beginning.
 BEGINNINGS, FEWEST = (3.0, 0.75), 3
-#: Least number of samples of a corrected reading, as steps show from two samples on; and how many
-#: samples corrections may leave out. Two would allow for an ω that is half a sample older and half
-#: a sample newer, which is smoothed: that is no mistake.
+#: Least number of samples of a corrected reading, and the most samples that corrections may leave
+#: out together. If two were left out, an ω that was smoothed over three samples would count as two
+#: mistakes: half a sample older, and half a sample newer, than the attitude.
 FEWEST_LEFT, LEFT_OUT = 2, 1
 #: Largest turn of the body over the beginning, rad, by the times of a reading. If these are so
 #: wrong that the body turns further, the exact motion is not computed.

@@ -51,7 +51,7 @@ def other_readings(
 def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
     """Yield words, and the recording with even times, if its own times may be even ones, rounded.
 
-    Samples are 1/n s apart, with an integer n, or as far apart as fits best.
+    The even times are 1/n s apart, with an integer n, or as far apart as fits the given times best.
     """
     t, count = reading.t, np.arange(len(reading.t))
     unit = unit_of(np.diff(t))
@@ -81,7 +81,7 @@ def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with the quaternion's four components in other orders and signs."""
+    """Yield words, and the recording with the quaternion's components in other orders and signs."""
     for order in map(list, permutations(range(4))):
         for signs in product((1.0, -1.0), repeat=3):
             picked = zip((1.0, *signs), COLUMNS[order], strict=True)
@@ -91,7 +91,7 @@ def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with its attitudes composed from Euler angles of another convention."""
+    """Yield words, and the recording with attitudes of Euler angles in another convention."""
     R = Rotation.from_quat(reading.q, scalar_first=True)
     # Any, as scipy's stubs declare literal types of conventions.
     conventions: list[Any] = list(map("".join, permutations("XYZ")))
@@ -118,9 +118,11 @@ def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]
 def _of_axes(
     reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield the recording with other axes of world and body for which the first attitude is right.
+    """Yield words, and the recording along other axes with which the first attitude is right.
 
-    Axes are the scene's in another order or with other signs, or the body's principal ones.
+    The axes of world and body are the scene's in another order or with other signs; those of the
+    body may be its principal axes instead. If the first recorded attitude is the identity, all
+    attitudes may be relative to the first.
 
     Parameters
     ----------

@@ -15,8 +15,8 @@ from .other_readings import EVERY_AXES, named
 #: Least error of com or velocity that is named: as a multiple of the error that the method and the
 #: attitude explain, and as a fraction of the com's largest displacement, or of its largest speed.
 FAR, PART = 10.0, 0.01
-#: Least error of the velocity at the first sample that is named, as a multiple of that error; the
-#: change of the velocity's error since then is smaller.
+#: Least error of the velocity at the first sample that is named as another start, as a multiple of
+#: the error that the method and the attitude explain, if the error changes by less afterwards.
 AT_START = 2.0
 
 
@@ -123,10 +123,10 @@ def far_off(
     Parameters
     ----------
     is_off : the sentence until "off by", with its verb
-    deviation : from the exact motion, (n, k)
+    deviation : deviation from the exact motion, (n, k)
     allowed : the largest error that a method and the attitude make
     rounding : the largest error by rounding
-    extent : the largest size of the quantity, or change of it
+    extent : the largest size of the quantity, or change of it; all four are in `unit`
     """
     largest = _largest(deviation)
     if not (_is_smooth(deviation) and largest > max(FAR * allowed, PART * extent) + rounding):
@@ -148,6 +148,11 @@ def rounding_of(numbers: FloatArray, units: dict[str, float], steps: float) -> f
 
     A printed number is rounded once, and one that an engine adds up in single precision is rounded
     in each of its steps, too. Few digits may be due to either, so that both errors are added.
+
+    Parameters
+    ----------
+    units : the units that the numbers may have been printed in, with their sizes
+    steps : number of steps that the engine took
     """
     once = resolution(numbers, units.values())
     return once + min(once, float(np.finfo(np.float32).eps) * float(np.abs(numbers).max())) * steps
