@@ -14,8 +14,8 @@ from ..files.recording import MULTIPLE
 from ..samples.intervals import Intervals
 from ..samples.mistakes import FITS
 
-#: The most intervals that known integrators are followed in, and the most with timesteps that are
-#: guessed.
+#: The most intervals in which known integrators are followed, at the stated timestep and at guessed
+#: ones.
 FEW, GUESSED = 12, 4
 #: Numbers of steps from sample to sample that are tried where the timestep may be another than the
 #: stated one.
@@ -84,15 +84,19 @@ class KnownIntegrators:
         return [one for one in KNOWN if is_kept or not one.keeps_length]
 
     def that_made(self, hypothesis: Hypothesis) -> str:
-        """Return in words the integrator that computed the motion, if a hypothesis holds; or empty.
+        """Return in words the known integrator that computed the motion, if a hypothesis holds.
 
-        The integrator's steps with the equations of the hypothesis lead from sample to sample.
+        Its steps at the stated timestep, with the equations of the hypothesis, lead from sample to
+        sample. The text is empty if there is no such integrator, or if the exact flow leads there.
         """
         exactly = self.left_exactly(hypothesis)
         return self._in_words(self._best(self.each, hypothesis, exactly, noise=1.0))
 
     def at_another_timestep(self, hypothesis: Hypothesis) -> str:
-        """Return in words the integrator that computed the motion with another timestep; or empty.
+        """Return in words the known integrator that computed the motion with another timestep.
+
+        The timesteps tried are the median time between samples, divided by `STEPS`. The text is
+        empty if none is found.
 
         Of the many integrators and timesteps that are tried, some have residuals as small as noise
         by chance: the right one must have far smaller residuals.

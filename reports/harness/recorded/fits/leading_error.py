@@ -72,7 +72,8 @@ def leading_errors(
     """Return the error that each elementary differential makes, rad and rad/s, (k, S, 6).
 
     These are the errors at the ends of S intervals, by each of the k elementary differentials of
-    methods of given orders with a coefficient of one.
+    methods of given orders with a coefficient of one. If ω was computed from attitudes, its own
+    errors at both ends of an interval are included.
 
     Parameters
     ----------
@@ -101,6 +102,8 @@ def leading_errors(
             moved[:, :4] /= norms(moved[:, :4])[:, None]
             carried = apart(ends, follow(equations, moved, remaining)[:, 0])
             error += weight * data.spans * rate * size * carried
+    # An ω that is computed from attitudes is the rate at which they turn, errors included. It
+    # differs from the ω of the method by the attitude's part of the differential.
     if data.is_derived:
         ends = follow(equations, data.starts, data.spans)[:, 0]
         first, last = (

@@ -34,7 +34,8 @@ from .motion_effects import (
 from .right_by_itself import right_by_itself, uneven_times
 from .stepwise import Stepwise
 
-#: Most changes that are fitted at once, and most parameters of a special change.
+#: Most changes that are fitted at once, and most parameters of a change that is not among those
+#: that measured motions usually require.
 MOST_CHANGES, MOST_PARAMETERS = 4, 3
 #: Largest turn of the body, rad, in the time by which all states are late.
 LATEST = 30.0
@@ -42,6 +43,7 @@ LATEST = 30.0
 #: fewer than the differences: Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
 
+#: The change of the first state: a rotation vector, rad, and a difference of ω, rad/s, body axes.
 START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
 
 
@@ -130,7 +132,8 @@ class LogFit:
         if self._is_beyond(found) and self.given.has_omega and not self.right_by_itself:
             every = replace(search, changes=[*search.changes, CROSS_AXIS])
             found = max(found, every.stepwise(found, MOST_CHANGES), key=search.score)
-        # It has so many parameters that it explains a part of any motion.
+        # A torque that depends on the attitude has so many parameters that it explains a part of
+        # any motion. It counts only if nothing beyond noise is left.
         torque = Trial(self.given, (self.by_attitude,)).fit()
         if not self._is_beyond(torque):
             found = max(found, torque, key=search.score)
@@ -138,7 +141,8 @@ class LogFit:
             of_dipole = Trial(self.given, (dipole(torque.parameters.reshape(3, 3)),)).fit()
             if search.improvement(of_dipole, torque) <= 0:
                 return of_dipole
-        # Of most measured bodies the start is not known either: it needs no cause.
+        # The start of most measured bodies is not known well, so that no simpler change needs to
+        # explain it.
         return found if self._is_beyond(found) else search.simplified(found, but=START)
 
     def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:

@@ -60,8 +60,9 @@ class Measured(LogFit):
     def explained(self, but: Change | None = None) -> list[str]:
         """Return the changes that the samples require, in words.
 
-        Where the residuals far exceed noise, sentences say instead whether the attitudes, or ω, are
-        those of the scene.
+        Where the residuals far exceed noise, a sentence says instead that the attitudes alone, or ω
+        alone, are those of the scene, or that each state is the scene's at another time. The latter
+        is said of any motion whose noise is not stated. Often the list is empty.
 
         Parameters
         ----------

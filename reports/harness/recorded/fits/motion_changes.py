@@ -12,10 +12,11 @@ from ..samples.missing import KINEMATICS
 from ..samples.sensors import FILTERS, READINGS, of_sensor
 from .motion_effects import of_attitude, of_rotors
 
-#: A change that a com on the other side of the pivot amounts to, as the tensor about the pivot is
-#: the same.
+#: Kind and number of the change that reverses gravity. A com on the other side of the pivot has the
+#: same effect, as the tensor about the pivot is the same.
 MIRRORED = "gravity's size", -2.0
-#: The integrator keeps ω along world axes, as game engines do, and multiplies on the wrong side.
+#: The integrator keeps ω along world axes, as game engines do, but multiplies q by it on the side
+#: of body axes.
 IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
 )

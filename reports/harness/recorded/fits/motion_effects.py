@@ -64,9 +64,9 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def by_attitude(size: float) -> Change:
-    """The change that adds the torque Σ P eᵢ × Rᵀeᵢ, which depends on the attitude R.
+    """The change that adds the torque Σᵢ P eᵢ × Rᵀ eᵢ, body axes, which depends on the attitude.
 
-    The matrix P, (3, 3), is fitted.
+    R is the attitude, body to world, and eᵢ are the unit vectors. The matrix P, (3, 3), is fitted.
 
     Parameters
     ----------
@@ -121,7 +121,12 @@ def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
 
 
 def world_turning(rate: float) -> Change:
-    """The change in which attitudes drift about a world axis; `rate`, rad/s, is its scale."""
+    """The change in which the world turns at a fitted angular velocity, rad/s, world axes.
+
+    Parameters
+    ----------
+    rate : scale of the angular velocity, rad/s
+    """
     return fitted("world turning", np.zeros(3), rate, lambda h, n: h.of(world_turns=n))
 
 

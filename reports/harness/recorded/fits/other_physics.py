@@ -28,14 +28,15 @@ from .motion_changes import TIMES, changes_of_motion, is_of_turning, sentences
 from .varying import varying
 from .within_error import refitted, within_error
 
-#: The most intervals that changes are fitted to, and the most steps that known integrators take in
-#: all.
+#: The most intervals that changes are fitted to, and the most steps in all of these that a known
+#: integrator takes when changes are fitted beside it.
 MOST_INTERVALS, MOST_STEPS = 60, 300
-#: The next term of a method's error, relative to the leading term: this factor times the angle of a
-#: step, and this fraction at most.
+#: The next term of a method's error, relative to the leading term, is `NEXT_TERM` times the angle
+#: that the fastest rate makes in a timestep, rad, and at most the fraction `LARGEST_NEXT`.
 NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
-#: A pair of changes is looked for if ω differs at the ends of intervals by more than this, relative
-#: to ω.
+#: A pair of changes that explains the motion exactly is looked for only if ω differs from the exact
+#: flow at the ends of intervals by more than this, as a root mean square, relative to the largest
+#: ‖ω‖.
 LEAST_FOR_TWO = 1e-4
 #: By how many standard deviations of noise the equations must lead beyond a clamp's bound for the
 #: clamp to be certain.
@@ -112,7 +113,11 @@ class Physics:
 
     @cached_property
     def made_by(self) -> str:
-        """The known integrator that computed the motion with the equations of `base`; or empty."""
+        """The known integrator that computed the motion with the equations of `base`, in words.
+
+        Other timesteps than the stated one are tried, too. It is empty if there is none, or without
+        intervals.
+        """
         if self.known is None:
             return ""
         base = self.known.intervals.base
@@ -137,12 +142,12 @@ class Physics:
 
     @cached_property
     def apparent_order(self) -> int:
-        """The order of the method if its order is lower, or its timestep longer, than stated; or 0.
+        """The order of a method whose errors explain the motion where the stated method's do not.
 
-        If it equals the stated order, the timestep is longer than stated. The leading errors of
-        methods of that order explain the differences from the exact flow but for the next term of
-        these errors. Those of the stated order and timestep do not, and no change of the equations
-        has far smaller residuals.
+        It is lower than the stated order; or it equals the stated order, and the timestep is longer
+        than stated. The leading errors of methods of that order explain the differences from the
+        exact flow but for the next term of these errors, and no change of the equations has far
+        smaller residuals. It is 0 if there is no such order, or if no timestep is stated.
         """
         if self.timestep is None or self.intervals is None or self.made_by:
             return 0
@@ -211,6 +216,8 @@ class Physics:
     @cached_property
     def by_other_equations(self) -> Fit | None:
         """The change with which a known integrator gives the motion up to rounding; or None.
+
+        It is None, too, if a known integrator gives the motion without any change.
 
         Changes with parameters are tried only if a timestep is stated, and the motion exceeds a
         method's error or other changes were found before: the implicit damping of an unknown method

@@ -74,8 +74,9 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
 
     Returns
     -------
-    An empty list if the attitudes do not obey the equations or are too far apart, or if the
-    recorded ω is that of the attitudes
+    An empty list if the attitudes do not obey the equations, are too far apart or are those of
+    other times, if the recorded ω is that of the attitudes, or if `is_explained` and neither a
+    clamp nor differences explain it
     """
     motion = physics.motion
     turns = norms(physics.exact.omega_body)[:-1] * np.diff(motion.t)

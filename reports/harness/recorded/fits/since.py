@@ -24,7 +24,7 @@ MEET = 5.0
 
 
 def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
-    """Return when a motion with noise changes, and to which law, in words; often nothing.
+    """Return when a motion with noise changes, and to which law, in words; often an empty list.
 
     The motion is the exact one until χ² of its errors exceeds noise. A law is fitted to the samples
     after that, and its motion is followed back to where it meets the exact motion. If the two do

@@ -18,8 +18,8 @@ from ..samples.intervals import Intervals
 
 #: Number of iterations of a fit, and the step of a scaled parameter for a finite difference.
 STEPS, SMALL = 3, 1e-5
-#: Changes are fitted further if an iteration reduces the mean square of the residuals to this
-#: fraction; and the most changes that may explain a motion equally well for them to be named.
+#: A change is fitted further if an iteration leaves at most this fraction of the mean square of the
+#: residuals without it; and the most changes that are named if they explain a motion equally well.
 PROMISING, MOST_ALIKE = 0.5, 2
 #: Least correlation of ranks with time at which a parameter is said to be monotonic.
 ONE_WAY = 0.9
@@ -87,7 +87,8 @@ def _fit(
 
     Returns
     -------
-    The parameters, (S,), and the residuals with them, (S, 6)
+    The parameters, (S,), and the residuals with them, (S, 6); those of the first iteration that
+    leaves too large residuals, if there is one
     """
     numbers, size = np.zeros(len(parts)), float(change.scales[0])
     both = [change.apply(data.base, np.array([step * size])) for step in (0, SMALL)]

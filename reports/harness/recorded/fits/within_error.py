@@ -1,7 +1,8 @@
 """Finds changes that explain a motion together with a method's error, however large the latter.
 
-A method's error is a combination of elementary differentials (`leading_error.py`), but for the next
-term of its series. What these leave of the residuals is compared with that term alone.
+But for the next term of its series, a method's error is a combination of elementary differentials
+(`leading_error.py`). What is left of the residuals after a fit of these is compared with the size
+of that next term alone.
 """
 
 from collections.abc import Sequence
@@ -17,8 +18,8 @@ from ..samples.intervals import Intervals, root_mean_squares
 from ..samples.mistakes import FITS
 from .leading_error import LARGEST, leading_errors
 
-#: Factor by which the errors of methods, as fitted after changes are made, may exceed the size that
-#: was assumed to find the changes.
+#: Factor by which the errors of methods that are fitted once changes are made may exceed the size
+#: that was assumed of them to find the changes.
 ROOM = 2.0
 
 
@@ -71,6 +72,8 @@ def within_error(
     next_term: float,
 ) -> Fit | None:
     """Return the change, or pair, that explains what methods' errors leave of residuals; or None.
+
+    A fit counts only if the errors of methods beside it are about as large as was assumed.
 
     Parameters
     ----------
