@@ -13,7 +13,8 @@ HIGH_ORDER = 4
 def is_finished(records: Records) -> bool:
     """Whether the ladder ends with its last row: no finer rung is needed, or none can succeed.
 
-    It also ends if a finer rung would take more than about `DECIDED_STEPS` steps.
+    No finer rung is needed if the errors are below `GOAL`, or if they have grown from rung to rung
+    twice. The ladder also ends if a finer rung would take more than about `DECIDED_STEPS` steps.
 
     Parameters
     ----------

@@ -45,7 +45,11 @@ class Records:
 
     @property
     def last(self) -> Row | None:
-        """The run whose outcome, unless it is ok, decides the verdict; None if there is no run."""
+        """The run whose outcome, unless it is ok, decides the verdict; None if none does.
+
+        It is the finest of the ladder, or else the last at a single timestep. If a ladder was asked
+        for and is empty, it is the first run above the ladder that no finer timestep could save.
+        """
         if self.rows or not self.has_ladder:
             return [*self.single_rows, *self.rows][-1]
         # Without rungs, only runs above the ladder exist, which are too coarse to show anything but

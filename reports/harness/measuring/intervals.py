@@ -232,7 +232,7 @@ def restarted(sessions: Sessions, state: State, timestep: float, counts: Iterabl
 
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
-    """Make a run of `DECIDED_STEPS` steps, for a scene whose whole window takes too many steps.
+    """Make a run of about `DECIDED_STEPS` steps, for a scene whose window takes too many steps.
 
     Parameters
     ----------

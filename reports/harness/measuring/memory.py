@@ -80,9 +80,10 @@ def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
 def _order_and_tail(replay: Replay, declared: int) -> tuple[int, float]:
     """The order with which the effect of a restart vanishes, and the tail of its gains.
 
-    The gains are the change of the final state by two restarts, divided by the timestep. The tail
-    is 0 if no effect is seen above noise. The order is the declared order if only the longest
-    timesteps show an effect, as these are too few to estimate an order.
+    The gains are the change of the final state by two restarts, divided by the timestep. Order and
+    tail are 0 if no effect is seen above noise: then a memory explains nothing. The order is the
+    declared order if only the longest timesteps show an effect, as these are too few to estimate an
+    order.
     """
     starts, sessions = replay.intervals.starts.rows(replay.worst), replay.intervals.sessions
     timesteps = np.array([replay.evidence.timestep / 2.0**j for j in range(HALVINGS)])

@@ -36,8 +36,8 @@ class Measured:
     units : the unit of each state, by which its gains and noise were divided, (K,)
     amplitudes : the amplitudes of the grid, (A,)
     turns : the angle by which each step turns the body, or the angle's rank, (J, K)
-    radius : the least radius of convergence that is considered; two thirds of all timesteps are
-        below it
+    radius : the least radius of convergence that is considered, relative to the longest timestep;
+        about two thirds of all timesteps are below it
     """
 
     x: FloatArray
@@ -309,8 +309,8 @@ class Regression:
 def _inverse_radii(measured: Measured) -> FloatArray:
     """The inverse radii of convergence of the grid, (R,).
 
-    The radii reach from four times the longest timestep down to the smallest radius below which
-    there are enough timesteps to show a series.
+    The radii reach from four times the longest timestep down to `Measured.radius`. A radius with
+    fewer than `LEAST` timesteps below it, which are too few to show a series, is left out.
     """
     count = np.arange(np.log(4 / measured.radius) / np.log(RATIO))
     radii = RATIO ** (count + 0.5) / 4

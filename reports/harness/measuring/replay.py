@@ -47,6 +47,8 @@ def examine_runs(
 ) -> tuple[tuple[ReplayEvidence, ...], StepEvidence | None, str]:
     """Replay the finest run of a ladder and other runs, and take steps from states of a run.
 
+    If there are no runs, the beginning of the motion is run, and this run is replayed.
+
     Parameters
     ----------
     at : the exact states and timesteps at which single steps were examined
@@ -57,7 +59,7 @@ def examine_runs(
     Returns
     -------
     The evidence from each replay; the evidence from steps from states of the first replayed run,
-    None if no such steps were taken; and the engine's reason if it refuses the replay, else empty
+    None if no such steps were taken; and the reason if the replays failed, else empty
     """
     method, settled, shown = engine.method(method_name), found.settled, []
 

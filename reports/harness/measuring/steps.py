@@ -239,7 +239,8 @@ def _directions(count: int) -> FloatArray:
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
     """The differences of velocity, m/s, and com, m, from what the constraint demands, (n, 3) each.
 
-    The constraint determines both from attitude and ω.
+    Both are along world axes. What the constraint demands follows from attitude and ω along axes
+    that it holds; along other axes the differences are 0.
     """
     on = equations.on_constraint(states)
     return states.velocity_world - on.velocity_world, states.com_world - on.com_world
@@ -256,7 +257,8 @@ def state_differences(
 
     Parameters
     ----------
-    reach : `Equations.reach`, m
+    reach : `Equations.reach`, m: a length that is added to the size of positions and, times the
+        largest ‖ω‖, to that of velocities
     among : states whose largest sizes the differences are relative to; the others if None
     """
     among = among or others
