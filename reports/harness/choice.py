@@ -12,10 +12,12 @@ EngineMethod = tuple[Engine, Method]
 
 @dataclass(frozen=True)
 class Choice:
-    """Which part of the grid of engines × methods × timesteps to run; empty means all.
+    """Which part of the grid of engines × methods × timesteps to run.
 
     Attributes
     ----------
+    engines : the engines that are run; none if empty
+    methods : names of the methods that are run; all that an engine offers for a scene if empty
     timesteps : s; if there are none, the ladder is run
     max_steps : a ladder ends before a run would take more steps than this
     timed : whether steps are timed

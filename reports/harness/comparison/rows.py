@@ -42,7 +42,8 @@ def row_of(
 
     Its outcome is `failed` if the call failed, `diverged` if the energy error exceeds
     `ABSURD_ENERGY`, else the run's own. Only an `ok` run has errors, and one without samples is not
-    compared.
+    compared. An `ok` run that is no better than no motion is marked (`Row.without_skill`), and has
+    the cause `lost` unless it has another.
 
     Parameters
     ----------

@@ -110,7 +110,8 @@ class Executor(ABC):
 
         A task is a function that runs in this process and makes calls by this executor; `width`
         tasks run at once. Tasks are taken from the iterable as threads become free. An exception in
-        one task stops all others, and is raised. If `width` is 1, the calling thread runs them all.
+        one task stops the executor, and with it all other tasks, and is raised. If `width` is 1,
+        the calling thread runs all tasks one after the other, and an exception is only raised.
         """
         if self.width == 1:
             yield from (task() for task in tasks)

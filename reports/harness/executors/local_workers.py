@@ -46,7 +46,13 @@ class LocalWorkers(Executor):
     def call_at(
         self, site: str, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> Answer[T]:
-        """Call a function in a worker of this thread that imports modules from `site` first."""
+        """Call a function in a worker of this thread that imports modules from `site` first.
+
+        Raises
+        ------
+        ExecutorStopped
+            If the executor was stopped.
+        """
         return self._slot(site).call(partial(function, *args, **kwargs))
 
     def alone(self) -> Executor:

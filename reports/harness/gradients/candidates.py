@@ -1,8 +1,8 @@
 """Jacobians that common mistakes would give in place of the exact one, by name of the mistake.
 
 The effect of leaving a term out is computed to first order in the timestep: the remainder vanishes
-with the timestep. The state x is attitude and ω in the chart, so that the derivative of dx/dt is a
-matrix of 6 × 6.
+with the timestep. The state x is attitude and ω in the chart, so that the derivative of dx/dt by x
+is a 6 × 6 matrix. δθ, rad, and δω, rad/s, are changes of the two, in body axes.
 """
 
 from collections.abc import Callable, Iterator
@@ -23,7 +23,8 @@ from .jacobians import CHANGES, CHART, WEIGHTS, Units, changed, stepped_by_rate
 
 #: Names of the terms of I dω/dt.
 TERMS = ("gravity", "applied torques", "gyroscopic torque")
-#: The common logarithms of ε that are tried, and their spacing; ε is in rad and rad/s.
+#: Spacing, and values, of the common logarithms of ε that are tried. ε, in rad and in rad/s, is the
+#: change of attitude and of ω by which an engine may take finite differences.
 SPACING = 0.125
 POWERS = np.arange(-5.0, SPACING, SPACING).tolist()
 #: Relative error of the derivatives of terms by differences, and so the tolerance of the fitted ε.
@@ -144,7 +145,12 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
 
 
 def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the exact Jacobians with rows or columns of attitude or ω set to zero."""
+    """Yield words, and the exact Jacobians with rows or columns of attitude or ω set to zero.
+
+    Parameters
+    ----------
+    P : the exact Jacobians, (J, K, 6, 6)
+    """
     for what, first in {"attitude": 0, "ω": 3}.items():
         three = slice(first, first + 3)
         for part in ("rows", "columns"):
@@ -154,9 +160,10 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the exact Jacobians with attitude, ω or both in world axes.
+    """Yield words, and the exact Jacobians with attitude, ω or both in world axes.
 
-    The exact δω_world is R (δω − ω × δθ). It is R δω for an engine that only turns the derivative.
+    The exact change of ω along world axes is R (δω − ω × δθ), with R from body to world. An engine
+    that only turns the derivative has R δω.
     """
     states, P = exact.states, exact.jacobians
     ends = _ends(exact)
@@ -209,7 +216,7 @@ def _to_world(
 
 
 def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the exact Jacobians with a part of the derivative of dx/dt left out."""
+    """Yield words, and the exact Jacobians with a part of the derivative of dx/dt left out."""
     words = {name: f"the {name} is not differentiated" for name in TERMS}
     for name in ("ω", "I ω"):
         words[name] = f"of the gyroscopic torque ω × I ω the factor {name} is not differentiated"

@@ -43,7 +43,8 @@ from .window import (
 OURS = "central differences by spincheck"
 #: The name in place of those of an engine's derivatives, where it fails to give any.
 THEIRS = "derivatives by the engine"
-#: Number of steps of a derivative through many steps, and the numbers of steps over windows.
+#: Number of steps of a derivative through many steps where it is judged, and the numbers of steps
+#: over which its gradients are compared.
 MANY = 8
 TAPED = (MANY, 64)
 #: End of the name of a derivative through many steps.
@@ -372,7 +373,7 @@ class MethodStudy:
 
 
 def _raised(error: Exception) -> Judged:
-    """Return the verdict on a derivative that an engine's code raises an error in place of."""
+    """Return the verdict on a derivative if the engine's code raises an error instead of it."""
     if isinstance(error, EngineError):
         is_unsupported = isinstance(error, UnsupportedError)
         return Judged("unsupported" if is_unsupported else "failed", str(error))

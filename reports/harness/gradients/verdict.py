@@ -162,7 +162,7 @@ def _gains(exact: Exact, off: FloatArray) -> FloatArray:
 
 
 def _tail(series: list[GainSeries]) -> float:
-    """Return the p-value of all tests of both series together (Bonferroni).
+    """Return the tail of all tests of both series together (Bonferroni).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Checks that scenes' expectations name engines and methods that exist."""
+"""Checks that expectations and expected failures of scenes name engines and methods that exist."""
 
 from collections.abc import Iterable, Iterator
 
@@ -8,18 +8,18 @@ from ....scenarios.locate import line_of
 
 
 def unknown_expectations(scenarios: Iterable[Scenario]) -> list[str]:
-    """Return one complaint for each expectation that names an unknown engine or method."""
+    """Return a complaint for each expectation or expected failure with unknown engine or method."""
     return [complaint for scenario in scenarios for complaint in _unknown(scenario)]
 
 
 def _unknown(scenario: Scenario) -> Iterator[str]:
-    """Yield a complaint for each expectation of a scene that names an unknown engine or method.
+    """Yield a complaint for each unknown engine or method that a scene's file names.
 
-    Engines that are not installed are known, too; their methods are not checked.
+    Expectations (`[[expect]]`) and expected failures (`[[known]]`) are checked. Engines that are
+    not installed are known, too; their methods are not checked.
     """
     if not (scenario.document.expect or scenario.document.known):
-        # Engines are only looked for if a scene has expectations, because finding them imports
-        # them.
+        # Finding engines imports them, so that they are looked for only if a scene names any.
         return
     methods = {name: [m.name for m in engine.methods] for name, engine in engines().items()}
     absent = [engine.name for engine in missing()]

@@ -81,8 +81,9 @@ class BatchRow:
         the motions agree to the last bit, infinite if a neighbour stops all worlds
     has_neighbours : whether the batch has places for odd neighbours
     because : what the motion depends on; empty if it does not depend on its batch
-    seconds_per_step : wall time of a step of all worlds
-    beside : wall time of a step of `beside_by`, which steps one world on one core
+    seconds_per_step : wall time of a step of all worlds, s
+    beside : wall time, s, of a step of `beside_by`, an engine and its method, which step one
+        world on one core
     outcome, reason : ok; or unsupported or failed, and the reason why nothing could be compared
     """
 

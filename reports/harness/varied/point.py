@@ -32,6 +32,12 @@ def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod
     ----------
     base : the scene that is varied
     pairs : engines and methods
+
+    Raises
+    ------
+    IntegrationError
+        If there are no methods, and the exact motion cannot be found. With methods, the rows say
+        that it cannot be found.
     """
     try:
         scenario = scene_at(point, base)

@@ -61,8 +61,8 @@ class Measured(LogFit):
         """Return the changes that the samples require, in words.
 
         Where the residuals far exceed noise, a sentence says instead that the attitudes alone, or ω
-        alone, are those of the scene, or that each state is the scene's at another time. The latter
-        is said of any motion whose noise is not stated. Often the list is empty.
+        alone, are those of the scene, or that each state is the scene's at another time. If noise
+        is not stated, the sentence on other times is returned however small the residuals are.
 
         Parameters
         ----------
