@@ -84,7 +84,7 @@ def prepare(
     Raises
     ------
     ValueError
-        If a single timestep is longer than the window, or too short to count its steps.
+        If a single timestep is twice the window or more, or too short to count its steps.
     IntegrationError
         If the exact motion cannot be found.
     """

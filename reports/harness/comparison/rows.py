@@ -104,6 +104,8 @@ def compared(
 ) -> Row:
     """Return the row of a study's run, marked if the method's single steps show a fault.
 
+    The row also states what the engine printed, and whether the timestep is a stock timestep.
+
     Parameters
     ----------
     answer : the run, and what the engine printed

@@ -72,8 +72,8 @@ class Change:
     apply : makes the change in a hypothesis, with given parameters, (k,); zeros change nothing
     scales : values of the parameters with which the change is neither small nor large, (k,)
     shown : computes the numbers that the words of the change state from the parameters
-    is_possible : whether a motion may have been computed with given parameters, and in the
-        hypothesis that they lead to; with others a fit only mimics the data
+    is_possible : whether given parameters, (k,), and the hypothesis that they lead to, may be those
+        of a motion that was computed; with others a fit only mimics the data
     """
 
     kind: str

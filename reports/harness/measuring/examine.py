@@ -45,8 +45,9 @@ from .steps import (
 SETTLING = 96
 #: Numbers of repeats of each state in single precision, tried in order until the limit is known.
 REPEATS = (4, 16, 64)
-#: Size of the random changes, in ulp, by which the repeats of a state differ. It is many ulp of
-#: what a step adds, so that each repeat is rounded differently, and too small to change the gain.
+#: Size of the random changes, in ulp, by which the repeats of a state differ. It is many ulp of the
+#: change that a step makes, so that each repeat is rounded differently, and too small to change the
+#: gain.
 NUDGE = 2.0**16
 
 

@@ -32,8 +32,9 @@ def explained_by_memory(replay: Replay, settled: int) -> ReplayEvidence:
     are checked:
 
     - At the run's timestep, the difference of these two must agree with the difference of the run
-      from its replay, to half of the latter. If the latter is no larger than the residual of an
-      iterative solver, only the sizes of the two differences are compared.
+      from its replay: they may be apart by half the size of the run's difference. If the run's
+      difference is no larger than the residual of an iterative solver, only the sizes of the two
+      differences are compared.
     - Over a few steps, at shorter and shorter timesteps, the difference must vanish, as any gain
       must. This is not checked if steps were judged after a constraint had settled, as the gains of
       these steps contain the effect of impulses of earlier steps.

@@ -10,7 +10,8 @@ The sources, with their standard deviations, are:
   mass matrix where the com is far from the body's origin, as an error of I dω/dt; and the angle by
   which that error turns the body (Higham, Accuracy and Stability of Numerical Algorithms, §7.1).
 - Flight: `ULPS` ulp of m v², as a torque, because engines may solve for rotation and translation
-  together (measured in MuJoCo 4.0). v is the velocity of the body's origin, which engines move.
+  together (measured in MuJoCo 4.0). v is the velocity of the body's origin, as engines step the
+  position of the origin and not that of the com.
 - Rotors: `ULPS` ulp of the forces that cancel between the rotors, and of the torques that cancel
   about their axes (`Scenario.cancelling`). Noise of I dω/dt turns the rotors, too.
 - Contact: `ULPS` ulp of the com's position, which the constraint corrects within a step.

@@ -48,9 +48,9 @@ def finding(case: Case) -> Finding | None:
 def _of_numbers(case: Case) -> Finding | None:
     """Return what a recording's numbers show without an equation of motion; None if nothing.
 
-    If all samples can be corrected, `Finding.left` is the corrected recording. Otherwise it has two
-    cases, the recording without its wrong samples, and only the samples before the first wrong one;
-    or the recording as it is, if no sample is wrong.
+    `Finding.left` has the corrected recording if all samples can be corrected, and the recording as
+    it is if no sample is wrong. Else it has two cases: the recording without its wrong samples, and
+    the samples before the first wrong one.
     """
     shown = shown_by_digits(case.numbers)
     if case.noise.any():

@@ -84,7 +84,11 @@ class Ladder:
     least_steps: float
 
     def until(self, samples: int) -> "Ladder":
-        """Return the ladder with the first samples only, at which the exact motion is known."""
+        """Return the ladder with the first samples only, at which the exact motion is known.
+
+        With fewer than two samples it has no rungs. Rungs above it that would have no step are left
+        out.
+        """
         if samples < 2:
             return Ladder((), (), self.times[:samples], least_steps=0.0)
         parts = (self.rungs, self.above)
@@ -181,7 +185,7 @@ def single(timestep: float, times: NDArray[np.float64]) -> Rung:
     Raises
     ------
     ValueError
-        If the window is shorter than one step, or has more steps than can be counted.
+        If the last time is at most half a step, or takes more steps than can be counted.
     """
     if not times[-1] / timestep < MOST_STEPS:
         raise ValueError(

@@ -53,7 +53,8 @@ def stock_runs_of(
 ) -> list[StockRun]:
     """Return an engine's runs at its own stock timestep and at the one common to all engines.
 
-    On a hard scene the latter is refused if it would take more steps than a quick study's ladder.
+    On a hard scene the run at a timestep that is not the engine's own is refused if it would take
+    more than `QUICK_STEPS` steps.
 
     Parameters
     ----------

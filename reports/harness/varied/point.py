@@ -24,9 +24,9 @@ def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod
     """Run methods at a point of an ensemble, and return one row for each method.
 
     Without methods the exact motion is still solved, and there are no rows. All rows are
-    `unsupported` if the point has no valid scene, or if the window is shorter than the timestep of
-    some engine or takes more steps than can be counted. Only an engine's own rows are, if its stock
-    timestep is refused or it takes more than `STEP_BUDGET` steps.
+    `unsupported` if the point has no valid scene, or if the point's timestep is twice the window or
+    more, or so short that its steps cannot be counted. Only the rows of one engine are, if its
+    stock timestep is refused or it takes more than `STEP_BUDGET` steps.
 
     Parameters
     ----------
@@ -154,7 +154,8 @@ def rung_at(point: EnsemblePoint, scenario: Scenario, engine: Engine) -> Rung | 
     Raises
     ------
     ValueError
-        If the window is shorter than one step, or has more steps than can be counted.
+        If the point's timestep is twice the window or more, or so short that its steps cannot be
+        counted.
     """
     if point.timestep is not None:
         return single(point.timestep, scenario.times)

@@ -21,9 +21,10 @@ from ..samples.sensors import as_read
 BEGINNING, FEWEST = 2.0, 12
 #: Most samples that are searched for changes before all samples are.
 MOST = 128
-#: Prior standard deviation of a tensor, relative to its mean moment, in each of its directions: the
-#: root mean square difference of two bodies of one trace whose second moments share it at random
-#: (uniform on the simplex) about axes at random, √(2 · 3/8 / 5).
+#: Prior standard deviation, relative to the mean moment, of each of the five independent components
+#: of a tensor with a given trace. It is the root mean square difference of two random bodies with
+#: the same trace, √(2 · 3/8 / 5): their second moments divide the trace at random (uniform on the
+#: simplex), and their axes are random.
 PRIOR_SPREAD = 0.387
 
 
@@ -69,9 +70,10 @@ class Log(Data):
 
     @cached_property
     def beginnings(self) -> Sequence["Log"]:
-        """As in `Data`: the first log is so short that its motion is nearly linear in its start.
+        """Logs of more and more of the first samples, to be fitted in turn, as in `Data`.
 
-        The last log has all samples. Each other one has at most `MOST`, spread over a beginning.
+        The first log is so short that its motion is nearly linear in its start. The last log has
+        all samples. Each other one has at most `MOST`, spread evenly over its part of the motion.
         """
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
         length, lengths = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), list[int]()
@@ -93,7 +95,7 @@ class Log(Data):
         return 6 if self.has_omega else 3
 
     def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
-        """As in `Data`: the residuals of H hypotheses, in standard deviations of noise.
+        """The residuals of H hypotheses, in standard deviations of noise, as in `Data`.
 
         Returns
         -------
@@ -127,9 +129,9 @@ class Log(Data):
         return follow_each(equations, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
 
     def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:
-        """As in `Data`: the deviations of the entries of the tensor of inertia, (9,).
+        """The deviations of the tensor of inertia from its prior mean, as in `Data`, (9,).
 
-        The tensor is relative to its trace, and the prior mean is that of the scene.
+        The tensors are relative to their traces, and the prior mean is the scene's tensor.
         """
         made, usual = (h.equations.inertia for h in (hypothesis, self.base))
         deviation = made / np.trace(made) - usual / np.trace(usual)
@@ -150,9 +152,10 @@ class Log(Data):
         return np.asarray(squares + 3 * len(self.t) * fits[: len(squares)] ** 2)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """As in `Data`; but twice the logarithm of the likelihood ratio if noise is not stated.
+        """The decrease of χ² from the residuals before a change to those after it, as in `Data`.
 
-        In that ratio, noise is estimated from the residuals.
+        If noise is not stated, it is twice the logarithm of the ratio of the likelihoods, in which
+        the noise is estimated from the residuals.
         """
         if self.is_stated:
             return super().chi2_decrease(before, after)

@@ -1,4 +1,4 @@
-"""Finds changes that explain a motion together with a method's error, however large the latter.
+"""Finds changes that explain a motion together with a method's error, however large that error is.
 
 But for the next term of its series, a method's error is a combination of elementary differentials
 (`leading_error.py`). What is left of the residuals after a fit of these is compared with the size
@@ -52,11 +52,14 @@ class BesideMethods(Data):
 
     @property
     def correlated(self) -> float:
-        """As in `Data`: residuals by the next term of a method's error count as one."""
+        """How many residuals count as one in χ², as in `Data`: that of `intervals`."""
         return self.intervals.correlated
 
     def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
-        """As in `Data`, in units of the scale and of the errors of methods together, (H, S, 6)."""
+        """The residuals of H hypotheses, as in `Data`, (H, S, 6).
+
+        They are in units of the intervals' scale and the errors of methods together.
+        """
         each = self.intervals.deviations(hypotheses)
         flat = each.reshape(len(hypotheses), -1)
         of_methods = (flat @ self.directions) * (1 - 1 / np.hypot(1.0, self.sizes))
@@ -154,8 +157,8 @@ def _beside(
 def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> list[FloatArray]:
     """Return the sizes that the errors of methods may have, rad and rad/s, (2,) each.
 
-    These are the size without any change, the geometric mean of the other two, and the least size
-    that a single change leaves.
+    The first is the size without any change, the last is the least size that a single change
+    leaves, and the one between is the geometric mean of both.
     """
     most = _fitted_size(data, errors, data.deviations([data.base]))
     units = np.maximum(most, FITS)

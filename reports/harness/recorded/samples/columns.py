@@ -6,11 +6,11 @@ from .....scenarios import FloatArray
 from ...explaining.search import LEFT
 from .digits import CHANGES, Numbers, Shown, runs, where
 
-#: Least number of samples for which a column is stuck. More than five, as an ω that is up to five
-#: samples older or newer than the attitude is filled up with equal samples at one end.
+#: Least number of samples for which a column is stuck. It is more than five, as an ω that is up to
+#: five samples older or newer than the attitude is filled up with equal samples at one end.
 FEWEST = 7
-#: How much faster than the largest rate that a gyroscope reads the body must turn on average: by
-#: this fraction of that rate, and by this number of standard errors of the average.
+#: A gyroscope saturates only if the body turns faster, on average, than the largest rate that it
+#: reads: by this fraction of that rate, and by this number of standard errors of the average.
 FASTER, CERTAIN = 1e-2, 6.0
 #: The words for a gyroscope that saturates, to which the components and the rate in rad/s and in
 #: °/s are added; and the words for all components.

@@ -18,12 +18,13 @@ from ...explaining.search import LEFT
 from ..files.motion import Reading
 from ..files.recording import FEWEST_VALUES, RATES, Recording, digits_of, unit_of
 
-#: By how many units of their last digit numbers should have changed where they are the same.
+#: Numbers that stay the same are a finding only if they should have changed by more than this
+#: number of units of their last digit.
 CHANGES = 10.0
 #: Least number of values that a column of rounded numbers has.
 FEWEST = 3
-#: Numbers that are multiples of a unit are coarse if the largest is fewer units than this, which
-#: eight bits hold, and which is less than three printed digits.
+#: Numbers are coarse if the largest is less than this multiple of the unit that they are rounded
+#: to: then eight bits hold them, which are less than three printed digits.
 COARSE = 128
 #: Standard deviation of the error of rounding to integers.
 ROUNDING_ERROR = 1 / np.sqrt(12)
@@ -295,9 +296,10 @@ def _stale(numbers: Numbers) -> Shown | None:
 
 
 def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Return the finding that ω is exactly zero, though the body turns; None if it never is.
+    """Return the finding that ω is exactly zero at some samples, though the body turns.
 
-    The body turns if both the recorded attitude and the exact motion do.
+    The body turns if both the recorded attitude and the exact motion do. It is None if there is no
+    such sample, or if ω is zero at all samples.
 
     Parameters
     ----------

@@ -71,14 +71,15 @@ class Intervals(Data):
 
     @cached_property
     def correlated(self) -> float:
-        """As in `Data`: all residuals count as one if a method's error is far larger than noise.
+        """How many residuals count as one in χ², as in `Data`.
 
-        A method's error is the same throughout, however many samples show it.
+        All of them do if a method's error is far larger than noise, as the error follows one law
+        throughout, however many samples show it. If noise is far larger, each counts by itself.
         """
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
     def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
-        """As in `Data`: the residuals at the ends, in units of `scale`, (H, S, 6)."""
+        """The residuals of H hypotheses, as in `Data`, in units of `scale`, (H, S, 6)."""
         starts = as_it_was(hypotheses, self.starts, self.t - self.spans[:, 0])
         steps = np.array([one.step for one in hypotheses])
         of_method = self.integrator, steps * self.timestep, self.fastest

@@ -104,7 +104,8 @@ def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[i
     if np.sum(is_beyond) > LEFT * len(deviations):
         return []
     squares = np.mean(deviations.reshape(-1, 2, 3) ** 2, axis=2)
-    # Where a method's error nearly hides noise, noise is larger than it at some of many samples.
+    # If noise is nearly as large as a method's error, it exceeds that error at some of many
+    # samples. These are no jumps.
     usual = np.mean(squares[~is_beyond], axis=0)
     is_beyond &= np.any(squares > usual / fdtri(3 * np.sum(~is_beyond), 3, level), axis=1)
     return [*map(int, np.flatnonzero(is_beyond))]
