@@ -101,7 +101,8 @@ class Executor(ABC):
     def alone(self) -> "Executor":
         """Return an executor on this computer that makes one call at a time, for timing.
 
-        It is closed together with this executor, which must make no call while it is used.
+        The returned executor is closed together with this one. This one must make no call while the
+        returned one is used.
         """
 
     @final

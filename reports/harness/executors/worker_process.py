@@ -143,9 +143,9 @@ class WorkerProcess:
 
     @property
     def is_spent(self) -> bool:
-        """Whether the process still holds half of the memory that it may use: engines leak memory.
+        """Whether a process that leaks still holds half or more of the memory that it may use.
 
-        It is always false where the system does not tell how much that is; only Linux does.
+        It is always false on systems other than Linux, which do not tell how much a process holds.
         """
         try:
             count = int(getattr(self._of_system.memory_info(), "data", 0))

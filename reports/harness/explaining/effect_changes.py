@@ -47,7 +47,7 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that scale the scene's constant torques, or add constant ones."""
+    """Changes that scale the scene's constant torques, or add a constant torque."""
     yield from _scaled_torques(e)
     yield from _additional_torques(scenario, e)
 

@@ -39,7 +39,8 @@ class Data(ABC):
 
     Attributes
     ----------
-    base : the scene's equations, with states that are read as they are
+    base : the hypothesis in which changes are made: the scene's equations, and states that are read
+        without mistakes, unless other changes have been made before
     """
 
     base: Hypothesis
@@ -67,7 +68,7 @@ class Data(ABC):
 
     @property
     def beginnings(self) -> Sequence["Data"]:
-        """Data of more and more of the first samples, to be fitted in turn; at last all data."""
+        """The first samples, then more and more of them, to be fitted in turn; all data at last."""
         return (self,)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
@@ -152,7 +153,7 @@ class Linear:
 
     Attributes
     ----------
-    residuals : those with parameters of zero, (m,)
+    residuals : residuals with parameters of zero, in units of their standard deviation, (m,)
     jacobian : derivatives of the residuals by the scaled parameters, (m, k)
     """
 
@@ -223,7 +224,7 @@ class Trial:
 
         Parameters
         ----------
-        tolerance : of scaled parameters, at which the fit ends
+        tolerance : relative change of the scaled parameters at which the fit ends
         evaluations : how often residuals are computed at most
         """
 

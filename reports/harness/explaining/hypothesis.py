@@ -28,8 +28,8 @@ class Hypothesis(NamedTuple):
     is_begun : whether that filter begins at the first sample, with ω as it is there
     turned, delay : the attitude that is read at a time t is q(t − `delay`), delay in s, turned in
         the body by the rotation vector `turned`, rad, body axes, (3,)
-    step : time by which a step advances the motion, in timesteps
-    velocity : factor by which the com's velocity that is read is too large
+    step : ratio of the time by which the motion advances to the timestep, or to the recorded time
+    velocity : ratio of the com's velocity that is read to the actual velocity
     braking : rate at which the com of a body without a pivot is slowed, 1/s
     """
 
@@ -129,7 +129,7 @@ def fitted(
 
 
 def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -> Iterator[Change]:
-    """Changes that multiply terms by a factor: by given ones, then by one that is fitted.
+    """Changes that multiply terms by a factor: first by each given factor, then by a fitted one.
 
     Parameters
     ----------

@@ -68,8 +68,8 @@ class GradientRow:
     ----------
     derivative : the engine's name for the derivative, or `OURS`
     judged : the verdict; failed or unsupported if nothing was computed
-    costs : CPU times of the derivative, each divided by that of the plain steps that it covers; one
-        for each repeat
+    costs : for each repeat, the CPU time of the derivative, divided by the CPU time of the plain
+        steps that it covers
     seconds : wall time until the row was made, including compilation
     timestep : timestep of the window's steps, s
     window : gradients along a run
@@ -349,7 +349,7 @@ class MethodStudy:
         return replace(row, judged=one, window=along, useless_from=useless_from(along))
 
     def _costs(self, name: str, steps: int) -> tuple[float, ...]:
-        """Return CPU times of a derivative, each divided by that of the steps that it covers.
+        """Return CPU times of a derivative, divided by the CPU time of the steps that it covers.
 
         Plain steps and derivatives are timed in turns. In each turn the derivative is computed
         until it has taken as long as the steps, so that a first call with cold caches is averaged.

@@ -142,8 +142,9 @@ def steps_from(
     ----------
     states : R K states
     timesteps : s, (J,)
-    settle : number of steps before that step, in which a constraint settles. They begin in an
-        earlier exact state, from which the motion leads to the given state in the time they take
+    settle : number of steps, in which a constraint settles, before the step that counts. They begin
+        in the exact state from which the motion leads to the given state in the duration of these
+        steps
     repeats : R
 
     Raises

@@ -92,9 +92,9 @@ class Case:
 
         Returns
         -------
-        None if the reading has both fewer samples and other times, if its other times begin before
-        0 or the exact motion is not known at them, or if ω was not recorded and the attitudes are
-        too far apart to compute it
+        None if the reading has both fewer samples and other times; if it has other times, and these
+        begin before 0 or the exact motion is not known at them; or if ω was not recorded, and the
+        attitudes are too far apart to compute it
         """
         t = self.reading.t
         kept = np.flatnonzero(np.isin(t, reading.t))

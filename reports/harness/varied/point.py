@@ -68,7 +68,7 @@ def not_run(
 
     Parameters
     ----------
-    outcome, cause, why : how it ended: in the words of rows, and in a sentence
+    outcome, cause, why : outcome and cause in one word each, and the reason in a sentence
     """
     engine, method = pair
     key, timestep = Key(base.name, engine.name, method.name), _timestep(base, point, engine)

@@ -87,7 +87,8 @@ class KnownIntegrators:
         """Return in words the known integrator that computed the motion, if a hypothesis holds.
 
         Its steps at the stated timestep, with the equations of the hypothesis, lead from sample to
-        sample. The text is empty if there is no such integrator, or if the exact flow leads there.
+        sample. The text is empty if there is no such integrator, or if the exact flow, too, leads
+        from sample to sample within noise.
         """
         exactly = self.left_exactly(hypothesis)
         return self._in_words(self._best(self.each, hypothesis, exactly, noise=1.0))

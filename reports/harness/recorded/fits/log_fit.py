@@ -71,7 +71,10 @@ class LogFit:
 
     @cached_property
     def axes(self) -> Change:
-        """The change in which attitude and ω are those of axes that are turned in the body."""
+        """The change in which attitude and ω are recorded along other axes than the body's.
+
+        Its parameters are the rotation vector, rad, that turns the body's axes to the other axes.
+        """
         omega = self.given.scene_start[4:]
 
         def turn_axes(h: Hypothesis, turn: FloatArray) -> Hypothesis:
@@ -84,7 +87,10 @@ class LogFit:
 
     @cached_property
     def late(self) -> Change:
-        """The change in which each recorded state is that of some seconds before its time."""
+        """The change in which each recorded state is the motion's at an earlier time.
+
+        Its parameter is how much earlier that time is, s; a negative one means a later time.
+        """
         start = self.given.scene_start[None]
         rate = max(float(norms(start[:, 4:])[0]), self.given.base.equations.rate) or 1.0
         most = LATEST / rate

@@ -52,7 +52,7 @@ class BesideMethods(Data):
 
     @property
     def correlated(self) -> float:
-        """How many residuals count as one in χ², as in `Data`: that of `intervals`."""
+        """How many residuals count as one in χ²: as many as in `intervals`."""
         return self.intervals.correlated
 
     def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:

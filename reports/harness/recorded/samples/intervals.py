@@ -30,7 +30,7 @@ FASTER = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Intervals(Data):
-    """S intervals of a recorded motion, from recorded states to the ones recorded next.
+    """S intervals of a recorded motion, each from one recorded state to the next.
 
     Attributes
     ----------
@@ -39,7 +39,8 @@ class Intervals(Data):
     ends : recorded states at the ends of the intervals, (S, 7)
     noise : standard deviations of recorded attitude, rad, and ω, rad/s, (2,)
     method : bounds of a method's error in an interval, in attitude, rad, and ω, rad/s, (S, 2)
-    integrator, timestep : with which hypotheses are followed; the timestep in s
+    integrator, timestep : the integrator by which hypotheses are followed from the starts, and its
+        timestep, s
     is_derived : whether ω was not recorded, but is the rate at which the attitudes turn
     """
 
@@ -217,9 +218,9 @@ def intervals_of(
     most: int | None = None,
     near: float = NEAR,
 ) -> Intervals | None:
-    """Return the intervals of a motion that are short enough.
+    """Return the intervals of a motion that are short enough, by `near`.
 
-    It is None if fewer than `FEWEST_INTERVALS` are, or if ω is 0 at all samples.
+    None is returned if fewer than `FEWEST_INTERVALS` are so short, or if ω is 0 at all samples.
 
     Parameters
     ----------

@@ -341,7 +341,7 @@ def _factor_of_times(reading: Reading) -> float | None:
 
     Returns
     -------
-    None without ω, or if attitude or ω do not turn
+    None if ω was not recorded or is zero, or if the attitude is constant
     """
     if (omega := reading.omega_body) is None:
         return None

@@ -49,7 +49,7 @@ def other_readings(
 
 
 def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield words, and the recording with even times, if its own times may be even ones, rounded.
+    """Yield words, and the recording at even times, if its own times may be these, rounded.
 
     The even times are 1/n s apart, with an integer n, or as far apart as fits the given times best.
     """
