@@ -1,8 +1,8 @@
 """Exact motions of spinning bodies, and what physics engines make of them.
 
-The Python interface: what stands in `__all__`, and in `spincheck.testing`, is stable, and so is
-`spincheck.engine`, which adapters of engines are written with; everything else is private. Modules
-are imported when a function is called: `import spincheck` takes no time.
+This is the Python interface. The names in `__all__`, `spincheck.testing`, and `spincheck.engine`,
+with which adapters of engines are written, are stable; everything else is private. Modules are
+imported when a function is called, so that `import spincheck` takes no time.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from .exact_motion import ExactMotion
     from .stored import StoredResults
 
-    #: A scene, given as its name in the library, the path of its file, its tables, or the scene
-    #: itself.
+    #: A scene, given as its name in the library, the path of its file, the TOML tables of its file,
+    #: or a `Scenario` that was loaded before.
     Scene = str | Path | Mapping[str, Any] | Scenario
 
 __all__ = ["exact", "gradients", "judge", "judge_timesteps", "load", "results", "run"]
@@ -35,9 +35,9 @@ def load(scene: "Scene", name: str = "scene") -> "Scenario":
 
     Parameters
     ----------
-    scene : its name in the library, the path of its file, or the TOML tables of its file as a dict;
-        NumPy's arrays may stand for lists
-    name : name of a scene that is given as a dict
+    scene : its name in the library, the path of its file, or the TOML tables of its file as a dict,
+        with lists or NumPy's arrays; a `Scenario` is returned as it is
+    name : name that the scene gets if it is given as a dict
 
     Raises
     ------
@@ -62,6 +62,8 @@ def load(scene: "Scene", name: str = "scene") -> "Scenario":
 def exact(scene: "Scene") -> "ExactMotion":
     """Return the exact motion of a scene; its method `at` gives states at any times.
 
+    The first call on a machine compiles the solver, after a logged warning.
+
     Raises
     ------
     spincheck.scenarios.ScenarioError
@@ -82,7 +84,7 @@ def gradients(
     timestep: float | None = None,
     window: float | None = None,
 ) -> "list[GradientRow]":
-    """Compare an engine's derivatives of its steps with those of the exact motion.
+    """Return verdicts on an engine's derivatives of its steps, compared with exact derivatives.
 
     The engine runs in a process of its own.
 
@@ -94,12 +96,14 @@ def gradients(
     Returns
     -------
     One row for each derivative that the engine gives, with its verdict, and one for central
-    differences of its steps.
+    differences of its steps. If the engine cannot simulate the scene, the last is the only row, and
+    has the reason.
 
     Raises
     ------
     ValueError
-        If there is no such engine or method, or the timestep or the window is not above 0.
+        If there is no such engine or method, or if the timestep or the window is not a finite
+        number above 0.
     spincheck.scenarios.ScenarioError
         As for `load`.
     """
@@ -150,7 +154,8 @@ def judge(
     Raises
     ------
     ValueError
-        If the arrays are not a motion, or go beyond the time up to which the exact motion is known.
+        If the arrays are not a motion, go beyond the time up to which the exact motion is known, or
+        do not fit `timestep`, which must not be longer than the time between samples.
     spincheck.scenarios.ScenarioError
         As for `load`.
     """
@@ -190,12 +195,13 @@ def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
 
     Returns
     -------
-    The run: its `outcome` and `reason`, its `errors` if it is ok, its `motion`.
+    The run, with its `outcome`, `reason` and `motion`; `errors` is None unless the outcome is "ok".
 
     Raises
     ------
     ValueError
-        If there is no such engine or method, or the timestep does not fit the scene's window.
+        If there is no such engine or method, or the timestep is not above 0 or is longer than the
+        scene's window.
     spincheck.scenarios.ScenarioError
         As for `load`.
     """

@@ -21,7 +21,7 @@ from spincheck.scenarios import (
 @final
 @dataclass(frozen=True, eq=False)
 class ExactStates:
-    """States of the exact motion; arrays are read-only, SI.
+    """States of the exact motion at n times, in SI units; arrays are read-only.
 
     Attributes
     ----------
@@ -58,13 +58,14 @@ class ExactMotion:
         self._scenario, self._solver = scenario, Solver(scenario)
 
     def at(self, times: ArrayLike) -> ExactStates:
-        """Return the states at times, s, (n,), increasing, from 0 on; or at a single time.
+        """Return the states at times, s, (n,), increasing and not negative, or at a single time.
 
         Raises
         ------
         ValueError
-            If the times are not increasing from 0 on, or go beyond the time up to which a chaotic
-            motion is known, or beyond a lift-off.
+            If the times do not increase, or one is negative; if they go beyond the time up to
+            which a chaotic motion is known, or at which the body leaves its table; or if they are
+            so late that the motion cannot be computed.
         spincheck.reference.IntegrationError
             If the motion cannot be integrated that far.
         """
@@ -103,7 +104,7 @@ class ExactMotion:
         return sensitivity(self._scenario, self._known(times).trajectory)
 
     def _known(self, times: ArrayLike) -> Solution:
-        """Return the motion at given times; raise if it is not known at all of them."""
+        """Return the exact motion at given times; raise as `at` unless it is known at each."""
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
         if wanted.ndim > 1 or not len(wanted):
             raise ValueError(f"'times' must have the shape (n,), n > 0, got {wanted.shape}.")

@@ -13,7 +13,7 @@ from spincheck.reports.harness.recorded.recorded_ladder import study_of_files, v
 from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import FloatArray, Scenario
 
-#: The highest order of accuracy of a method.
+#: The highest order of accuracy that may be stated of a method.
 MOST_ORDER = 12
 #: By the name of an argument, the quantity that it gives and its number of components: None for t,
 #: and any number for spins.
@@ -65,7 +65,7 @@ class Made:
 
 
 def check_order(order: int) -> None:
-    """Raise ValueError for an order of accuracy that no method is judged by."""
+    """Raise `ValueError` unless an order of accuracy is a whole number from 1 to `MOST_ORDER`."""
     if not (isinstance(order, int | np.integer) and 1 <= order <= MOST_ORDER):
         raise ValueError(f"'order' must be a whole number from 1 to {MOST_ORDER}, got {order!r}.")
 
@@ -81,7 +81,8 @@ def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -
     Raises
     ------
     ValueError
-        If an array has another shape, one is missing, or a quantity is given twice.
+        If an array has another shape, one is missing, or a quantity is given twice; and as for
+        `spincheck.judge`.
     """
     arrays: dict[str, FloatArray] = {}
     for name, values in arguments.items():

@@ -25,7 +25,8 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
     Raises
     ------
     ValueError
-        If there is no such engine or method, or the timestep does not fit the window.
+        If there is no such engine or method, or the timestep is not above 0 or is longer than the
+        scene's window.
     """
     chosen = _engine_of(engine, method)
     if not (
@@ -63,7 +64,8 @@ def judged_gradients(
     Raises
     ------
     ValueError
-        If there is no such engine or method, or the timestep or the window is not above 0.
+        If there is no such engine or method, or if the timestep or the window is not a finite
+        number above 0.
     """
     for name, given in {"timestep": timestep, "window": window}.items():
         if given is not None and not 0 < given < float("inf"):
@@ -92,9 +94,13 @@ def _engine_of(engine: str, method: str) -> Engine:
 
 @cache
 def _workers(_process: int) -> LocalWorkers:
-    """Return an executor with one worker process, started once for this process.
+    """Return an executor with one worker process, which is kept until this process ends.
 
     It is kept because starting a worker takes longer than most runs.
+
+    Parameters
+    ----------
+    _process : id of this process, so that a forked process starts an executor of its own
     """
     executor = LocalWorkers(1)
     atexit.register(executor.close)

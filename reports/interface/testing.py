@@ -32,8 +32,8 @@ def assert_matches_exact(
     ----------
     scene, t, q_wxyz, q_xyzw, omega_body, omega_world, com, velocity : as for `spincheck.judge`
     bounds : largest error of each signal that is to be checked, at least one: `attitude` in rad;
-        `omega`, `angular_momentum` and `energy`, relative, and so are `com_error` and
-        `velocity_error`, whose names differ from those of the arrays `com` and `velocity`
+        `omega`, `angular_momentum`, `energy`, `com_error` and `velocity_error`, relative. The last
+        two bound the signals `com` and `velocity`, whose names are those of the arrays
 
     Raises
     ------

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from ...scenarios import EFFECTS
 
-#: Smallest change of a factor that seven digits show to a tenth.
+#: Smallest change of a factor that seven digits show with an error of a tenth of it at most.
 VISIBLE = 1e-5
 #: Numbers this small relative to others are zero up to rounding.
 ROUNDING = 1e-12
@@ -23,7 +23,7 @@ ALIKE = 1e-2
 DIGITS = 6
 #: Products of inertia, in the order in which they are listed everywhere.
 PRODUCTS = "Ixy", "Ixz", "Iyz"
-#: For a body that turns freely a motion does not show how large its tensor is.
+#: Words for a tensor of a body that turns freely: its motion shows only the ratios of moments.
 UP_TO_A_FACTOR = ", up to a factor"
 _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
 
@@ -54,7 +54,7 @@ def _turn(numbers: Sequence[float]) -> str:
 
 
 def _slowed(numbers: Sequence[float]) -> str:
-    """Return "slowed by" or, for a negative number, "sped up by" with its size."""
+    """Return "slowed by" or, for a negative number, "sped up by", followed by its size."""
     return f"{'slowed' if numbers[0] > 0 else 'sped up'} by {abs(numbers[0]):.3g}"
 
 
@@ -124,7 +124,7 @@ def _permuted(numbers: Sequence[float]) -> str:
 
     Parameters
     ----------
-    numbers : three moments, kg m², and the three moments whose axes they are wrongly put along
+    numbers : three moments, kg m², and the three moments, kg m², along whose axes they are put
     """
     return f"{vector(numbers[:3])} kg m² along the axes of {vector(numbers[3:])}"
 
@@ -158,10 +158,10 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
 
 
 def _by_attitude(numbers: Sequence[float]) -> str:
-    """Return the words for a torque that depends on the attitude: Σᵢ P eᵢ × Rᵀ eᵢ, N m.
+    """Return the words for a torque that depends on the attitude: Σᵢ P eᵢ × Rᵀ eᵢ, N m, body axes.
 
-    R is from body to world axes. The words say so if the torque is that of a dipole in a field, or
-    of a spring.
+    R takes body to world components, and eᵢ are the unit vectors. If the torque is that of a dipole
+    in a field, or of a spring, the words name it.
 
     Parameters
     ----------
@@ -222,11 +222,12 @@ class Kind:
 
     Attributes
     ----------
-    template : words for a change of this kind, with braces in place of its numbers
+    template : words for a change of this kind, with one pair of braces in place of its numbers
     count : how many numbers a change of this kind has
     shown : returns these numbers as text
     is_kinematic : whether the change is of how the attitude follows ω, not of how ω changes
-    special : words in place of the template for special values of the first number, by that value
+    special : by a value of the first number, words that are used in place of the template; empty
+        words do not count
     """
 
     template: str

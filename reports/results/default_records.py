@@ -50,12 +50,13 @@ class DefaultEffects:
 def default_effects(rows: Iterable[Row], varied: Iterable[Row]) -> list[DefaultEffects]:
     """Return the effects of defaults, for each method and scene where they were measured.
 
-    They were measured at each timestep at which there are runs with all of the defaults and with
-    none.
+    There is an entry for each timestep at which the method has both a run with all of its defaults
+    and one with none.
 
     Parameters
     ----------
-    rows, varied : runs of engines as they are, and of varied engines
+    rows : runs of engines as they are, among them those as shipped
+    varied : runs of varied engines, among them those with some defaults only
     """
     as_shipped = {(row.key, row.timestep): row for row in rows}
     found: dict[tuple[Key, float], dict[tuple[str, ...], Row]] = {}
@@ -77,8 +78,9 @@ ALL = ("all",)
 def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row]) -> DefaultEffects:
     """Return the effects of the defaults, given runs by the names of the defaults they keep.
 
-    There must be a run with none, `()`, and one with all, `ALL`. The run with all is used where no
-    run has a default alone, and the run with none where no run has all defaults but one.
+    There must be a run with none, `()`, and one with all, `ALL`. The run with all takes the
+    place of a missing run with one default alone, and the run with none that of a missing run with
+    all but one.
     """
     names = dict.fromkeys(name for some in by_names if some != ALL for name in some)
     each = []

@@ -48,7 +48,9 @@ _Timestep = Annotated[float, Field(gt=0, lt=math.inf)]
 
 @dataclass(frozen=True)
 class Ensemble:
-    """An ensemble: a scene with start and body scattered; a member is the same in any size of it.
+    """An ensemble: a scene whose start and body are scattered at random.
+
+    A member depends on the seed and its number alone, not on the number of members.
 
     Attributes
     ----------
@@ -72,7 +74,7 @@ class Ensemble:
         return map(self._member, range(self.members))
 
     def point(self, parts: Mapping[str, Any]) -> EnsemblePoint | None:
-        """Return the member that a stored run is of; None if it is of no member of this ensemble.
+        """Return the member to which a stored run belongs; None if no member of this ensemble.
 
         Parameters
         ----------
@@ -107,7 +109,7 @@ class DefinedEnsemble(Record):
         Raises
         ------
         ValueError
-            If the file is not a valid scene.
+            If the file is not a valid scene, or the ensemble is of another scene.
         """
         if self.ensemble.scenario != self.scenario:
             raise ValueError(f"an ensemble of '{self.ensemble.scenario}' under '{self.scenario}'")

@@ -25,13 +25,14 @@ Quantity = Literal["attitude", "angular momentum", "velocity", "place", "parts"]
 QUANTITIES: tuple[Quantity, ...] = ("attitude", "angular momentum", "velocity", "place", "parts")
 #: A vector, SI units.
 Vector = tuple[Signed, Signed, Signed]
-#: Ways in which gains depend on the timestep if they are not those of a method that converges.
+#: Ways in which steps differ from those of a method that converges.
 #:
-#: limit : they tend to something else than zero
-#: timestep : at one timestep they are not those that the other timesteps predict
-#: shorter : from one timestep down they tend to something else
+#: limit : as the timestep shrinks, gains tend to something else than zero
+#: timestep : at one timestep gains are not those that the other timesteps predict
+#: shorter : from one timestep down gains tend to something else
 #: leap : a step changes the state by as much however short it is
-#: misread : a state reads back differently from how it was set
+#: misread : a state reads back differently from how it was set, before any step
+#: random : gains differ when the same step is taken again
 FaultKind = Literal["limit", "timestep", "shorter", "leap", "misread", "random"]
 
 
@@ -63,7 +64,7 @@ class StepFault:
 
     Attributes
     ----------
-    kind : how the gains depend on the timestep
+    kind : how the steps differ, see `FaultKind`
     quantity : the quantity that shows the difference best
     time : time of the state that shows it best, s; None if that is the start with ω along a skew
         axis
@@ -85,9 +86,10 @@ class StepFault:
 
 @dataclass(frozen=True)
 class GainCurve:
-    """Gains against the timestep, for a figure, relative to the largest terms.
+    """The gains of one quantity at J timesteps, for a figure.
 
-    They are the gains from the state whose gains are the least likely.
+    They are relative to the largest terms of the equations of motion. The state from which the
+    steps are taken is the one whose gains are the least likely, except for `largest`.
 
     Attributes
     ----------
@@ -181,7 +183,7 @@ class ReplayEvidence:
     tail : the probability of differences as large as these, if a step depends only on the state
     off : the largest difference for each radian turned, rad or relative to ω
     since : start of the first interval that differs, s; None if none does
-    spread : difference of two runs of one interval, in the same unit; 0 if the engine is
+    spread : difference of two runs of one interval, in the unit of `off`; 0 if the engine is
         deterministic
     order : order at which the differences vanish with the timestep; 0 if they do not
     declared : the declared order of accuracy

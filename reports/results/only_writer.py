@@ -74,10 +74,11 @@ _BEYOND = 1 << 62
 
 @contextmanager
 def only_writer(path: Path) -> Iterator[Callable[[], None]]:
-    """Lock a result file for its only writer; the system releases the lock when this process ends.
+    """Lock a result file, created if there is none, for its only writer, until the block ends.
 
-    The lock is independent of those by which SQLite coordinates readers and a writer. The block is
-    given a function that raises if the file has been removed or replaced since.
+    The system releases the lock if this process dies. The lock is independent of those by which
+    SQLite coordinates readers and a writer. The block is given a function that raises
+    `ResultFileError` if the file has been removed or replaced since.
 
     Raises
     ------
@@ -96,7 +97,11 @@ def only_writer(path: Path) -> Iterator[Callable[[], None]]:
 
 
 def _lock(descriptor: int) -> None:
-    """Lock an open file; raise `ResultFileError` if another process has, or it has no locks."""
+    """Lock an open file for this process.
+
+    It raises `ResultFileError` if another process has locked the file, or its file system has no
+    locks.
+    """
     try:
         if sys.platform == "win32":
             import msvcrt

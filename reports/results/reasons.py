@@ -22,7 +22,7 @@ RATES = {
     "place": "the com or its rate, m or m/s in world axes,",
     "parts": "the angular momentum that turning parts keep",
 }
-#: Name and unit of each quantity that can leap, and how many such units an SI unit is.
+#: Name and unit of each quantity that can leap, and the factor from the SI unit to that unit.
 LEAPING = {
     "attitude": ("attitude", "°", math.degrees(1.0)),
     "angular momentum": ("I ω", " N m s", 1.0),

@@ -1,7 +1,7 @@
 """The records of a result file: one row for each run; `verdicts` has the verdicts on them.
 
-A record's fields are stored (`tables`) and shown as JSON and CSV (`as_json`): a field is added by
-adding it here, with a default that means that it is absent.
+A record's fields are stored (`tables`) and shown as JSON and CSV (`as_json`). A new field is added
+here alone; it needs a default, which records get that were stored before the field was added.
 """
 
 import json
@@ -36,7 +36,7 @@ LARGEST = 1e150
 
 
 def _size(value: float) -> float:
-    """Return a number or inf; raise `ValueError` if it is negative or above `LARGEST`."""
+    """Return a number from 0 to `LARGEST`, or inf; raise `ValueError` for any other number."""
     if not 0 <= value <= LARGEST and value != math.inf:
         raise ValueError(f"must be from 0 to {LARGEST:g}")
     return value
@@ -153,8 +153,8 @@ class Defect:
     ----------
     p50, p95, max : median, 95th percentile and largest over the intervals between samples, in the
         norm and unit of the signal's errors
-    at : end of the interval with the largest defect, s
-    floor : the largest defect that round-off, or noise as small, may cause
+    at : time of the end of the interval with the largest defect, s
+    floor : the largest defect that round-off, or noise as small as it, may cause
     """
 
     p50: Size
@@ -210,6 +210,7 @@ class Row(Record):
 
     Attributes
     ----------
+    timestep : s
     variation : JSON of what is varied, such as the member of an ensemble; empty if nothing is
     reason : why the outcome is not ok; for an engine as shipped, what differs from the scene
     cause : the reason in a word
@@ -219,13 +220,14 @@ class Row(Record):
     errors : errors at the run's sample times; None unless it is ok
     drifts : largest change of each conserved quantity, relative, by name
     reference_uncertainty : relative uncertainty of the exact motion, in ω
+    steps : number of steps of the run
     seconds_per_step, seconds_spread : CPU seconds, the least over the repeats, and max − min over
         the repeats; None if it was not timed
     wall_seconds_per_step : the least wall time, s; None if it was not timed
     motion : the samples; None if there are none, or only those of a finer run are kept
     printed : what the engine wrote to the terminal
-    stock : whether the timestep is one at which an engine is run on every scene: its own stock
-        timestep, and 1 ms
+    stock : whether the timestep is one of the two at which an engine is run on every scene: its own
+        stock timestep, or 1 ms
     unasked : for an engine as shipped, what acted although the scene does not call for it, by the
         engine's names
     defects : defects by signal (`harness/comparison/defects.py`), at stock timesteps and those that
@@ -270,7 +272,7 @@ class Row(Record):
 
     @property
     def varied(self) -> dict[str, Any]:
-        """What is varied in the run, by name: paths of the scene's file, or seed and member."""
+        """What is varied in the run, by name: an ensemble's seed and member, or kept defaults."""
         return varied_in(self.variation)
 
     @property
@@ -280,7 +282,7 @@ class Row(Record):
 
     @property
     def made(self) -> bool:
-        """Whether the run was made; at a timestep too coarse or too fine for the scene, none is."""
+        """Whether the run was made; none is at a timestep too long or too short for the scene."""
         return self.cause != "timestep"
 
     @property

@@ -31,11 +31,14 @@ class Results:
     environment : machine and versions, by name
     scenes : the scenes that were solved, by name
     rows : the runs in which nothing is varied
-    costs : costs of varied engines; those of engines as they are are in `rows`
+    verdicts : one for each method and scene
+    costs : costs of steps of varied engines; `rows` have the costs of engines that are not varied
     defaults : the effects of engines' defaults, where they were measured
+    evidence : what the verdicts rest on besides the runs
     methods : what each engine's adapter declares about its methods, in the adapter's order
     stock_timesteps : stock timesteps, s, of the engines that have one
-    single_precision : the engines that hold their state in floats of 24 bits
+    single_precision : names of the engines that hold their state in floats of 24 bits
+    ensembles : the ensembles that were asked for, with their stored runs
     varied : the runs in which something is varied, such as members of ensembles
     """
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from ...engines.user_cache import user_cache
 from ...scenarios.regular_files import read_regular, write_new
 
-#: Largest size of what is kept, bytes: of some twenty versions of the program.
+#: Largest size of the cache, bytes; the findings on some twenty versions of the program fit in.
 LARGEST = 1 << 22
 
 
@@ -28,7 +28,8 @@ class Import(NamedTuple):
     ----------
     level : number of dots before the module
     names : pairs of a name and its name in the importing module
-    outside : whether the statement stands outside functions and classes
+    outside : whether the statement stands at the top level of the module, in no function, class or
+        other block
     """
 
     level: int

@@ -103,7 +103,7 @@ class Store:
         return sha256(joined.encode()).hexdigest()[:DIGITS] if any(parts) else ""
 
     def _take_fingerprints(self, fingerprints: Iterable[Fingerprint]) -> None:
-        """Let results count from now on only if they have these digests."""
+        """Make results count from now on only if they rest on these fingerprints."""
         self._fingerprints |= {(f.scenario, f.engine, f.kind): f.digest for f in fingerprints}
 
     def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
@@ -217,14 +217,22 @@ class Store:
         return [row for row in rows if row.outcome == "failed"]
 
     def forget_costs_of_other_processors(self, processor: str) -> None:
-        """Delete the times of methods on scenes of which one was measured on another processor."""
+        """Delete all times of each method on a scene of which one is from another processor.
+
+        Parameters
+        ----------
+        processor : name of the processor whose times are kept
+        """
         others = [one.key for one in self.select(tables.COSTS) if one.processor != processor]
         with self._database.transaction() as connection:
             for key in others:
                 connection.execute(f"DELETE FROM costs WHERE {_ONE_METHOD}", _names(key))
 
     def keys_with_timing(self) -> set[Key]:
-        """Return the methods on scenes with a stored timing; it may say that none is possible."""
+        """Return the keys of methods on scenes for which a timing is stored.
+
+        A stored timing may say that steps cannot be timed.
+        """
         return {one.key for one in self.select(tables.COSTS, "variation = ''")}
 
     def read(self, timesteps: Sequence[float] = ()) -> Results:
@@ -238,7 +246,8 @@ class Store:
         Raises
         ------
         ResultFileError
-            If a record cannot be read.
+            If a record cannot be read or was changed after it was written, or if a run has errors,
+            but its scene is missing.
         """
         costs = self.select(tables.COSTS, order=f"{_SORTED}, rowid")
         seconds = {one.key: vars(one.cost) for one in costs if one.cost and not one.variation}
@@ -285,7 +294,12 @@ class Store:
         return self.select(tables.ENSEMBLES, order="scenario, ensemble")
 
     def _verdicts(self, timesteps: str) -> list[Verdict]:
-        """Return a verdict for each method and scene; `timesteps` is that of `read`, as stored."""
+        """Return a verdict for each method and scene, chosen as `read` says.
+
+        Parameters
+        ----------
+        timesteps : those of `read`, in the form that `_as_stored` returns
+        """
         where, values = ("timesteps = ?", (timesteps,)) if timesteps != _LADDER else ("TRUE", ())
         order = f"{_SORTED}, timesteps = '{_LADDER}' DESC, rowid DESC"
         first: dict[Key, Verdict] = {}

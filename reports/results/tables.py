@@ -114,7 +114,10 @@ _NAMES_OF_KEY = tuple(field.name for field in fields(Key))
 
 
 def as_result_file_error(read: Callable[P, T]) -> Callable[P, T]:
-    """Return the function so wrapped that it raises `ResultFileError` for any damaged record."""
+    """Return a function that raises `ResultFileError` where `read` raises any exception.
+
+    It wraps functions that read records, which raise various exceptions if a record is damaged.
+    """
 
     @wraps(read)
     def reading(*arguments: P.args, **named: P.kwargs) -> T:

@@ -23,7 +23,7 @@ class Verdict(Record):
     as_shipped : whether the method is the engine with all its defaults
     expected_failure : whether it is an expected failure of the scene's file
     timesteps : the timesteps asked for, s, increasing; empty for the verdict on a ladder
-    step_limit : step limit, if it cut a ladder short; else None
+    step_limit : the largest number of steps of a run, if it ended a ladder early; else None
     """
 
     key: MethodKey

@@ -21,7 +21,7 @@ LEGEND = (
     "how far the attitude is off after tumbling for 1 s. fused: part of the body, or of the world, "
     "that it is fixed to."
 )
-#: By the word of a difference, what corrects it in any engine.
+#: What corrects a difference in any engine, by the word for its cause (`LinkReading.kind`).
 IN_ANY_ENGINE = {
     "nothing stated": Advice(
         "state their inertia, or that they have no mass",
@@ -146,7 +146,8 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
 
     Parameters
     ----------
-    impossible : whether they are about numbers that no body can have, or else about doubtful ones
+    impossible : True for findings about numbers that no body can have, False for those about
+        doubtful numbers
     """
     return grouped(
         ("", problem.text, f"{link.link.name} (line {link.link.where.rpartition(':')[2]})")
@@ -186,7 +187,10 @@ def added_masses(inspection: Inspection) -> dict[str, float]:
 
 
 def weight_in_words(inspection: Inspection) -> str:
-    """Return the model's mass by its file and by engines with more; empty if no engine has more."""
+    """Return, in words, the mass that the file states, and that of engines which hold more.
+
+    The text is empty if no engine holds more.
+    """
     stated = stated_mass(inspection)
     by_mass: dict[str, list[str]] = {}
     for who, added in added_masses(inspection).items():
@@ -242,7 +246,10 @@ def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
 
 
 def _of_differences(inspection: Inspection) -> Iterator[Finding]:
-    """Yield what corrects wrong bodies: advice for any engine, then advice for this engine."""
+    """Yield what corrects wrong bodies: a finding for each engine and cause.
+
+    Its text has the advice that holds in any engine, then the advice for the engine itself.
+    """
     wrong: dict[tuple[tuple[str, str], str], list[str]] = {}
     for reading, name in wrong_readings(inspection):
         wrong.setdefault((reading.column, reading.kind), []).append(name)

@@ -64,13 +64,16 @@ class LinkReading:
     body : the body that the engine holds; None if there is none: the engine refused the file, or
         fused the link with another
     agrees : whether the body is what the file states; None if there is nothing to compare
-    cause : in words, how the body differs and why; empty if it agrees
-    kind : the cause in a word: that of `cause`, or "refused", "nothing stated", or a wrong "sum"
+    cause : in words, how the body differs and why, or why there is nothing to compare; empty if the
+        body agrees
+    kind : the cause in a word: "refused" for a file, "nothing stated" for a body that the file does
+        not state, "sum" for a wrong sum of fused links, else a word of `compared`; empty if the
+        body agrees, or there is nothing to compare
     fused : links whose mass the engine has added to this one
     expected : the body that the file states for this link and those fused with it
     difference : the difference of `body` from `expected`; None if they cannot be compared
-    attitude_apart_deg : by time in s, the angle between the file's body and the engine's, tumbling
-        from the same start; None if there is no such motion
+    attitude_apart_deg : by time, s, the angle, degrees, between the attitudes of the file's body
+        and the engine's, which tumble from the same start; None if there is no such motion
     """
 
     engine: str
@@ -203,16 +206,18 @@ def reader_engines(
 def inspect_model(
     model: ModelFile, executor: Executor, engines: Sequence[ReaderEngine]
 ) -> Inspection:
-    """Let engines read a model in each of their configurations, and compare what they hold.
+    """Return the inspection of a model that engines read in each of their configurations.
+
+    Engines that cannot read the model's format are left out.
 
     Parameters
     ----------
-    executor : runs the engines' readings, each in a process that may crash or hang
+    executor : runs the engines' readings in another process, as they may crash or hang
 
     Raises
     ------
     CannotInspectError
-        If none of the engines reads this kind of file.
+        If none of the engines reads the model's format.
     """
     able = [engine for engine in engines if model.format in engine.reader.formats]
     if not able:
@@ -316,17 +321,19 @@ def _link_reading(
 
 
 def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> FloatArray | None:
-    """Return the angle between two bodies that start alike and tumble freely, rad, (n,).
+    """Return the angles between the attitudes of two bodies that tumble freely, rad, (n,).
+
+    Both start with the same attitude and ω. An angle that rounding explains is returned as zero.
 
     Parameters
     ----------
-    stated, got : tensors about the com in the link's axes, (3, 3); a common factor has no effect,
-        and an angle that rounding explains is zero
-    times : s, (n,), at most 3 s, the duration of the scene
+    stated, got : tensors of the bodies about the com, link's axes, (3, 3); a factor on either has
+        no effect
+    times : times of the angles, s, (n,), at most 3 s, the duration of the scene
 
     Returns
     -------
-    None if no body can have one of the tensors
+    The angles; None if no body can have one of the tensors.
     """
     omega = np.linalg.eigh(stated)[1] @ START
     one, other = (_attitudes(tensor, omega, times) for tensor in (stated, got))
@@ -337,14 +344,14 @@ def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> Fl
 
 
 def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rotation | None:
-    """Return the attitude at each time of a body that tumbles freely; None if it is impossible.
+    """Return the attitude at each time of a body that tumbles freely, from the identity on.
 
-    At the start the attitude is the identity.
+    None is returned if no body can have the tensor, or the motion cannot be integrated.
 
     Parameters
     ----------
-    tensor : about the com, up to a factor, (3, 3)
-    omega : angular velocity at the start, rad/s, (3,)
+    tensor : about the com, body axes, up to a factor, (3, 3)
+    omega : angular velocity at the start, body axes, rad/s, (3,)
     times : s, (n,)
     """
     moments, axes = np.linalg.eigh(tensor)

@@ -34,6 +34,7 @@ LEAST_SPREAD = 1e-6
 #: Matrix from the second moments along the principal axes to the moments of inertia: I1 = S2 + S3,
 #: and so on.
 MOMENTS_BY_SPREAD = np.ones((3, 3)) - np.eye(3)
+#: The body of a link that is written as massless.
 NOTHING = BodyReading(0.0, np.zeros(3), np.zeros((3, 3)))
 #: Comment in the file, beside what its author did not state.
 REMARK = "made up by spincheck"
@@ -211,10 +212,11 @@ def _alone(
 
 
 def _without_inertia(link: Link, wishes: Wishes) -> tuple[BodyReading | None, str]:
-    """Return a body that is made up for a link without tensor or mass, and its origin in words.
+    """Return a body that is made up for a link without tensor or mass, and words on its origin.
 
-    It is the box about the link's shapes, filled with water. Unless the user asks for it, there is
-    no body, but a reason.
+    The body fills the box about the link's shapes evenly. Its mass and com are those that the file
+    states, or else those of water in the box. If the user does not wish for made-up bodies, the
+    body is None, and the words say what is missing.
     """
     if not wishes.made_up:
         return None, "it has no mass, or no tensor; '--made-up' makes one up from its shapes"
@@ -234,10 +236,14 @@ def _without_inertia(link: Link, wishes: Wishes) -> tuple[BodyReading | None, st
 def nearest_possible(inertia: FloatArray) -> FloatArray | None:
     """Return the possible tensor nearest to an impossible one, kg m², (3, 3).
 
-    The distance is the root of the sum of the squares of all entries' differences. The tensor has
-    the same axes, as this norm does not depend on them; its moments are found by least squares with
-    second moments that are not negative (Lawson & Hanson, Solving Least Squares Problems, ch. 23).
-    None is returned if only zero is near.
+    The distance is the Frobenius norm of the difference. As rotations do not change this norm, the
+    tensor has the same axes; its moments are found by least squares with second moments that are
+    not negative (Lawson & Hanson, Solving Least Squares Problems, ch. 23). None is returned if all
+    second moments found are zero.
+
+    Parameters
+    ----------
+    inertia : the impossible tensor, kg m², (3, 3), symmetric
     """
     moments, axes = np.linalg.eigh(inertia)
     scale = float(np.abs(moments).max())

@@ -53,7 +53,7 @@ def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
 
     Parameters
     ----------
-    folder : folder that the scenes will be in: they name the model relative to it
+    folder : folder that the scenes will be in, to which the path of the model in them is relative
     """
     taken: list[str] = []
     # The relative path may need `..`, which `Path.relative_to` only writes from Python 3.12 on.

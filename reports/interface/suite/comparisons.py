@@ -10,16 +10,19 @@ from spincheck.scenarios import FloatArray, Scenario, Trajectory
 from spincheck.scenarios.rotation import norms, rotation_vectors
 from spincheck.suite.contract_scenes import SCENES
 
+#: Timestep of sessions that are compared, s.
 TIMESTEP = 1e-3
 #: Span of time, s, and number of steps over it with which a method of a given order is in its
 #: asymptotic range.
 SPAN = 0.25
 COARSEST = {1: 1024, 2: 128, 3: 128, 4: 16, 5: 32}
-#: Least size of differences that an order is computed from, in roundings.
+#: Least size of differences that an order is computed from, relative, in units of the machine
+#: epsilon.
 ABOVE_ROUND_OFF = 1000
 #: A number of steps that is not a power of two.
 ODD_STEPS = 115
-#: Number of steps after a restart: what the restart forgot may show in the first step alone.
+#: Numbers of steps after a restart, at the end of each of which states are compared: what the
+#: restart forgot may show in the first step alone.
 RESTART_STRIDES = (1, ODD_STEPS - 1)
 #: Number of samples of a run.
 SAMPLES = 8
@@ -80,9 +83,7 @@ def moves_apart(engine: Engine, method: Method, other: Method, scene: Scenario) 
 def observed_orders(engine: Engine, method: Method, scene: Scenario) -> tuple[float, float] | None:
     """Return the orders with which ω and attitude converge, from three runs at halved timesteps.
 
-    Returns
-    -------
-    None if round-off hides the orders.
+    The test fails if a run does not reach its end. None is returned if round-off hides the orders.
     """
     coarsest = COARSEST.get(method.order, SAMPLES)
     motions: list[Trajectory] = []

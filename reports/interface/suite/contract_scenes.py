@@ -1,6 +1,6 @@
-"""Small scenes, built in memory: one for every effect and every trap of a model.
+"""Small scenes, built in memory, with each effect and with bodies that adapters often get wrong.
 
-`SCENES` holds them by name. `scene` builds another from tables of its own.
+`SCENES` holds them by name. `scene` builds another from the texts of its TOML tables.
 """
 
 from spincheck.scenarios import Scenario, loads
@@ -18,8 +18,8 @@ mass = 1.3
 inertia = [[1.4, 0.2, -0.1], [0.2, 1.1, 0.3], [-0.1, 0.3, 0.9]]
 com = [0.15, -0.1, 0.2]
 """
-#: A body with triangle equality, a plate, in a frame of its own; readers are known to refuse some
-#: such bodies.
+#: A plate: its largest principal moment is the sum of the other two, and its principal axes are not
+#: its frame's. Readers of models are known to refuse some such bodies.
 TILTED_PLATE = """
 mass = 0.7
 inertia = [[1.5, 0.5, 0.0], [0.5, 1.5, 0.0], [0.0, 0.0, 3.0]]
@@ -50,7 +50,7 @@ omega_body = [0.3, -0.2, 40.0]
 
 PIVOT = "[effects.pivot]\n"
 GRAVITY = "[effects.gravity]\nacceleration = [0.0, 0.0, -9.81]\n"
-#: A start with ω and attitude along no axis, so that a swapped or flipped component shows.
+#: Gravity along no axis, so that a swapped or flipped component shows.
 SKEW_GRAVITY = "[effects.gravity]\nacceleration = [1.0, -2.0, -9.0]\n"
 TABLE = "[effects.table]\nheight = 0.1\ntip = [0.0, 0.0, -0.005]\nradius = 0.02\n"
 DRAG = "[effects.drag]\nrotational = 0.3\n"

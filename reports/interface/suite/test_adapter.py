@@ -76,7 +76,10 @@ def test_begins_as_the_equations_of_motion_say(engine: Engine, method: Method) -
     "sofa-framework/sofa#172",
 )
 def test_order_of_accuracy(engine: Engine, method: Method) -> None:
-    """ω and attitude converge with the declared order or better on all scenes, just it on one."""
+    """ω and attitude converge on all scenes with at least the declared orders.
+
+    On some scene each converges with no more than its declared order.
+    """
     if method.as_shipped:
         return
     seen: list[tuple[float, float]] = []
@@ -196,9 +199,10 @@ def test_records_what_it_reads(engine: Engine, method: Method) -> None:
 
 @failure_means("A reset leaves something behind: a clock, a warm start, a cached tensor.")
 def test_restarts_as_it_opens(engine: Engine, method: Method) -> None:
-    """After a run, a restart from the scene's start or another is a scene opened there.
+    """After a run, a restarted session steps like a session that is opened at the same state.
 
-    At another timestep, too; and the same restart again gives the same motion, to the last bit.
+    It is restarted from the scene's start and from another state, at another timestep than before.
+    The same restart again gives the same motion, to the last bit.
     """
     for scene in able_scenes(engine, method, RESTARTED):
         with engine.open(scene, method, ODD_TIMESTEP) as session:
@@ -224,7 +228,10 @@ def test_restarts_as_it_opens(engine: Engine, method: Method) -> None:
 
 @failure_means("The switch that selects the integrator has no effect.")
 def test_differs_from_every_other_method(engine: Engine, method: Method) -> None:
-    """Its motion differs on some scene; a method as shipped may equal another."""
+    """A method's motion differs from that of each other method on some scene.
+
+    Methods as shipped are left out, as they may equal another.
+    """
     if method.as_shipped:
         return
     for other in engine.methods:

@@ -1,8 +1,8 @@
 """The motion itself: each test is about one thing that engines are known to get wrong.
 
-Each has a scene in which that thing matters, and others matter as little as can be; its exact
-motion is known. A method passes if its motion at halved timesteps converges to that. As shipped,
-an engine is judged like any other method.
+Each has a scene in which that thing matters and other things matter as little as possible, and
+whose exact motion is known. A method passes if its motions at halved timesteps converge to the
+exact motion. Methods as shipped are judged like any other.
 """
 
 from typing import Any
@@ -57,7 +57,7 @@ def test_off_diagonal_inertia(spincheck_subject: Any) -> None:
     "gazebosim/gazebo-classic#1487",
 )
 def test_angular_momentum_is_conserved(spincheck_subject: Any) -> None:
-    """L of a free tumbling body converges to the constant that it is."""
+    """L of a free tumbling body is constant in the limit of vanishing timesteps."""
     spincheck_subject.follows("free-asymmetric")
 
 
@@ -69,7 +69,7 @@ def test_angular_momentum_is_conserved(spincheck_subject: Any) -> None:
     "avianphysics/avian#993",
 )
 def test_energy_is_conserved(spincheck_subject: Any) -> None:
-    """The energy of a free tumbling body converges to the constant that it is."""
+    """The energy of a free tumbling body is constant in the limit of vanishing timesteps."""
     spincheck_subject.follows("free-asymmetric")
 
 
@@ -175,7 +175,7 @@ def test_frictionless_pivot(spincheck_subject: Any) -> None:
     "newton-physics/newton#2530",
 )
 def test_heavy_top(spincheck_subject: Any) -> None:
-    """A spinning top on a pivot precesses and nutates as Lagrange's solution."""
+    """A spinning top on a pivot precesses and nutates as in Lagrange's solution."""
     spincheck_subject.follows("heavy-top")
 
 
