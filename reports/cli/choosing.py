@@ -76,13 +76,16 @@ def choose(
     python: str = "",
     time_limit: float | None = None,
 ) -> Choice:
-    """Return the engines, methods and timesteps that a user named; optional engines only if named.
+    """Return the engines, methods and timesteps that a user named.
 
-    Methods are named in any case. If no engine is named, those that apply to any of the scenes are
-    chosen; if no method or timestep is named, the choice has none.
+    If no engine is named, all that apply to any of the scenes are chosen, except optional ones. If
+    no method or timestep is named, the choice has none, which stands for the default ones. Engines
+    that the user gives as a version, a class or a command are added to the list of engines.
 
     Parameters
     ----------
+    engine_names, methods : names as typed; those of methods in upper or lower case
+    timesteps : s
     scenarios : scenes to be run; engines that load users' model files are left out if no scene
         names such a file
     python : the command of the interpreter that other versions of engines run under; the
@@ -143,14 +146,14 @@ def _engines(
     """Return the engines that a value of '--engine' names, one unless it is 'all' or a family.
 
     'all' and a family, such as 'node', mean those of their engines that apply to any of the scenes.
-    Case counts only in 'MODULE:CLASS', 'child:COMMAND' and 'ENGINE@VERSION'.
+    Upper and lower case differ only in 'MODULE:CLASS', 'child:COMMAND' and 'ENGINE@VERSION'.
 
     Parameters
     ----------
     name : the value
     python : the command of the interpreter that another version runs under; this one if empty
-    time_limit : CPU time that an answer of a child may take, s, at most `ANSWER_LIMIT`, which None
-        stands for
+    time_limit : CPU time that an answer of a child may take, s; `ANSWER_LIMIT` if it is None or
+        longer than that
 
     Raises
     ------
@@ -210,7 +213,8 @@ def _child(command: str, time_limit: float | None) -> Engine:
 
     Parameters
     ----------
-    time_limit : CPU time that an answer may take, s, at most `ANSWER_LIMIT`, which None stands for
+    time_limit : CPU time that an answer may take, s; `ANSWER_LIMIT` if it is None or longer than
+        that
     """
     from ...engines import EngineError
     from ...engines.child import ANSWER_LIMIT, ChildEngine, child_engine
@@ -235,9 +239,14 @@ def _child(command: str, time_limit: float | None) -> Engine:
 def _of_module(name: str) -> Engine:
     """Return the engine that MODULE:NAME names, and add it to the list of engines.
 
-    NAME is a class or an object. The module may be in the current folder, where it hides no other
-    module. A `Complaint` is raised if there is no such name, it is no engine, or the engine is for
-    another version of the interface.
+    NAME is a class or an object. The module may be in the current folder, which is appended to
+    `sys.path`, so that it hides no other module.
+
+    Raises
+    ------
+    Complaint
+        If there is no such name, it is no engine, the engine is for another version of the
+        interface or declares something wrong, or another engine has its name.
     """
     if (here := str(Path.cwd())) not in sys.path:
         sys.path.append(here)
@@ -263,7 +272,7 @@ def _of_module(name: str) -> Engine:
 
 
 def words_of(command: str) -> list[str]:
-    """Split a command into its words, by the quoting rules of a shell.
+    """Return the words of a command, split by the quoting rules of a shell.
 
     Raises
     ------
@@ -276,7 +285,10 @@ def words_of(command: str) -> list[str]:
 
 
 def check_timesteps(scenarios: Sequence[Scenario], choice: Choice) -> None:
-    """Raise a `Complaint` if a timestep is longer than a scene's window, or far too short."""
+    """Raise a `Complaint` if a timestep is longer than a scene's window, or far too short.
+
+    It is too short if a run would take `MOST_STEPS` steps or more.
+    """
     for scenario in scenarios:
         for timestep in choice.timesteps:
             if timestep > scenario.window.duration:

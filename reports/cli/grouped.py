@@ -52,7 +52,7 @@ class GroupedCommands(TyperGroup):
         return command
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find a command by its name, in any case."""
+        """Find a command by its name, in upper or lower case."""
         return super().resolve_command(ctx, [args[0].lower(), *args[1:]])
 
     def _summary(self, ctx: Any, name: str) -> str:
@@ -74,7 +74,7 @@ class EnsembleCommand(TyperCommand):
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments, with `MEMBERS` put after an `--ensemble` that no number follows.
 
-        What follows the option and is a number is never taken for the name of a scene.
+        A number after the option is always taken for the number of members, never for a scene.
         """
         if _ENSEMBLE in args:
             after = args.index(_ENSEMBLE) + 1
@@ -110,8 +110,8 @@ def option(signal: str) -> str:
 
 
 def _bounds() -> list[Any]:
-    # Imported only here: the help of every other command would wait for it.
     """Return typer's parameters for the options of the error bounds, one for each signal."""
+    # Imported only here: the help of every other command would wait for it.
     from ...scenarios import SIGNALS
 
     def command(**_: float | None) -> None: ...
@@ -143,7 +143,7 @@ def _bound(signal: "Signal") -> Any:
 
 
 def number(text: str) -> float:
-    """Parse the number that an option is given; raise `typer.BadParameter` if it is none."""
+    """Return the number in the text of an option; raise `typer.BadParameter` if it is none."""
     try:
         return float(text)
     except ValueError:
@@ -151,9 +151,9 @@ def number(text: str) -> float:
 
 
 def angle(text: str) -> float:
-    """Parse an angle, a number with its unit behind it, rad if it has none; return it in rad.
+    """Return, in rad, an angle that is given as text, such as "0.1deg", "0.1°" or "1e-3".
 
-    It raises `typer.BadParameter` if the text is no angle.
+    A number without a unit is in rad. `typer.BadParameter` is raised if the text is no angle.
     """
     unit = next((unit for unit in ANGLES if text.endswith(unit)), "rad")
     try:

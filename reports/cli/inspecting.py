@@ -57,9 +57,7 @@ def models(
 
 
 def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
-    """Inspect models one after the other; each engine reads them in a worker process of its own.
-
-    It yields the inspection of each model.
+    """Yield the inspection of each model; engines read the models in a worker process.
 
     Parameters
     ----------
@@ -68,7 +66,8 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
     Raises
     ------
     Complaint
-        If an engine is not known or reads no models, or none is installed that does.
+        If an engine is not known or cannot read a model of this format, or if no engine is
+        installed that reads models.
     """
     with as_complaint(CannotInspectError):
         readers = reader_engines(engines, say)
@@ -128,7 +127,7 @@ def write_mended(
     Raises
     ------
     Complaint
-        If the copy cannot be written or read.
+        If the file is there already, or the copy cannot be written or read.
     """
     one = mended(inspection, wishes)
     with written(out):
@@ -143,6 +142,11 @@ def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
     """Print what was changed in a model's file, what was left, and how engines hold either file.
 
     A table has, for each engine, the number of links that it holds wrongly, before and after.
+
+    Parameters
+    ----------
+    one : the mended file, with the changes
+    before, after : inspections of the original and of the mended file
     """
     _print(f"{after.model.path}: {before.model.path}, mended. Links that engines hold otherwise:")
     table(
@@ -260,7 +264,10 @@ def _link_record(link: InspectedLink) -> dict[str, Any]:
 
 
 def _body_record(body: BodyReading | None) -> dict[str, Any]:
-    """Return mass, com and tensor of a body as a JSON object; all None for None."""
+    """Return a body's mass, kg, com, m, and tensor, kg m², as a JSON object.
+
+    All three are None if there is no body.
+    """
     if body is None:
         return {"mass": None, "com": None, "inertia": None}
     return {"mass": body.mass, "com": body.com.tolist(), "inertia": body.inertia_com.tolist()}

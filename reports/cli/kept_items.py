@@ -1,6 +1,6 @@
 """Outcomes of scenes' test items, kept in pytest's cache until something they depend on changes.
 
-Verdicts that disagree are not kept: whoever corrects an engine wants to see them again.
+Only items that passed or were skipped are kept. Items that failed are run again in every session.
 """
 
 from collections.abc import Iterator

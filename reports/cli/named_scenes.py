@@ -21,10 +21,10 @@ RPM = 30 / math.pi
 
 
 def one_scene(name: str) -> Scenario:
-    """Return the only scene that a name stands for.
+    """Return the scene that a file's path or the name of a library scene stands for.
 
-    It raises a `Complaint` if there is none, if a folder has several, or if a file is no valid
-    scene.
+    It raises a `Complaint` if there is none, if the name is that of a folder with several scenes,
+    or if a file is no valid scene.
     """
     scenes = scenes_to_run([name], expectations=False)
     if len(scenes) != 1:
@@ -43,8 +43,8 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
     Raises
     ------
     Complaint
-        If a name is of no scene, a file is no valid scene, or an expectation names what is not
-        there.
+        If a name is of no scene, a file is no valid scene, or an expectation names an engine or
+        method that does not exist.
     """
     scenarios, wrong = load_each(_files(names))
     complain(wrong)
@@ -56,9 +56,13 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
 
 
 def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
-    """Return a row of a table for each scene named, and a message for each unreadable file.
+    """Return a row of a table for each scene, and a message for each unreadable file.
 
-    Without names they are those of the library. A `Complaint` is raised for a name of no scene.
+    A `Complaint` is raised for a name of no scene.
+
+    Parameters
+    ----------
+    names : files, folders or names of library scenes; the whole library if empty
     """
     rows: list[dict[str, object]] = []
     scenarios, wrong = load_each(_files(names))
@@ -83,7 +87,8 @@ class Checked:
 
     Attributes
     ----------
-    lines : one for each file without an error
+    lines : one for each file without an error in its format, and one for each motion that cannot be
+        solved
     wrong : one for each error in a file
     untrue : one for each published value that differs from the exact motion
     powerless : one for each effect whose absence would not be noticed in the scene's motion
@@ -135,7 +140,7 @@ def _in_short(scenario: Scenario) -> str:
 def _check_motion(scenario: Scenario, result: Checked) -> bool:
     """Check what a scene states about its motion; return whether all of it is true.
 
-    What is found is added to the result.
+    What is found is added to `result`. False is returned if the motion cannot be solved.
     """
     from ...reference import IntegrationError
     from ..harness.scene_checks.power import powerless

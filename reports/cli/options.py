@@ -14,7 +14,7 @@ CORES = os.cpu_count() or 1
 
 
 def _seconds(text: str) -> float:
-    """Parse a number of seconds; raise `typer.BadParameter` if it is none."""
+    """Return a number of seconds given as text; raise `typer.BadParameter` if it is none."""
     try:
         return float(text)
     except ValueError:
@@ -23,7 +23,10 @@ def _seconds(text: str) -> float:
 
 
 def _there_if_named(file: Path) -> Path:
-    """Return the result file; raise `typer.BadParameter` if one that is named is missing."""
+    """Return the path of a result file; raise `typer.BadParameter` if it is missing.
+
+    The file may be missing if it is `RESULT_FILE`, the default.
+    """
     if file != RESULT_FILE and not file.exists():
         raise typer.BadParameter(f"there is no file '{file}'")
     return file

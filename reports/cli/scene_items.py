@@ -27,7 +27,8 @@ class SceneFile(pytest.File):
 
     Parameters
     ----------
-    engines : names of the engines to test, from pytest's settings; empty if left out
+    engines : names of the engines to test, from pytest's settings; if empty, those that the scene's
+        `[[expect]]` name, or else all but the optional ones
     max_steps : largest number of steps of a run, from pytest's settings; None if left out
     """
 
@@ -109,7 +110,7 @@ class SceneFile(pytest.File):
 
     @cached_property
     def prepared(self) -> Prepared:
-        """The scene's exact motion, solved once for all items."""
+        """The ladder of the scene, with its exact motion, which is solved once for all items."""
         timesteps = sorted({expect.timestep for expect in self.scenario.expect})
         return prepare(self.scenario, timesteps, self.max_steps).for_verdicts()
 
@@ -161,14 +162,17 @@ class EngineItem(SceneItem):
         self.method = method
 
     def runtest(self) -> None:
-        """Run and judge the method on the scene; skip the item if there is no clear verdict.
+        """Run and judge the method on the scene.
 
-        The method is not run if nothing that an earlier outcome depends on has changed.
+        The item is skipped, by pytest's exception, if the method does not support the scene or
+        diverges. The method is not run if an outcome is kept from an earlier session and nothing
+        that it depends on has changed.
 
         Raises
         ------
         Disagreement
-            If the verdict disagrees, or is unresolved.
+            If the verdict is `disagrees`, `failed` or `unresolved` and this is not expected, or an
+            expectation of the scene is unmet.
         """
         scenario, engine, method = self.parent.scenario, self.engine, self.method
         if reason := engine.unsupported(scenario, method):
@@ -190,7 +194,7 @@ class EngineItem(SceneItem):
         Raises
         ------
         Disagreement
-            If the verdict disagrees, or is unresolved.
+            As for `runtest`.
         """
         scenario, prepared = self.parent.scenario, self.parent.prepared
         study = convergence_study_of(scenario, self.engine, self.method, prepared)

@@ -34,7 +34,8 @@ _IMPORTING = "<frozen importlib._bootstrap>"
 #: Terminal codes that show the cursor, which a progress bar hides, and clear the line that it is
 #: on.
 _CURSOR_AND_EMPTY_LINE = "\x1b[?25h\r\x1b[K"
-#: Second halves of the message that the program was stopped, added by `saying`; the first is used.
+#: Sentences that `saying` adds to the message that the program was stopped, the outermost block's
+#: first; only the first is printed.
 _besides: list[str] = []
 _last_words = threading.Lock()
 _said = threading.Event()
@@ -65,7 +66,10 @@ def saying(besides: str) -> Iterator[None]:
 
 
 def say_last_words(number: int) -> None:
-    """Print which signal stopped the program, only once even if several threads call this."""
+    """Print on stderr which signal stopped the program, with the sentence of `saying`.
+
+    It is printed once, even if several threads call this function.
+    """
     if not _last_words.acquire(blocking=False):
         # Another thread prints it, and who called this may end the program.
         _said.wait(ENDING)
@@ -128,7 +132,7 @@ def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
     try:
         wakes, woken = os.pipe()
     except OSError:
-        # If no descriptor is free, a signal is handled only when the current query ends.
+        # Without a descriptor, a signal is handled only when native code that is running returns.
         return
     if sys.platform != "win32":
         os.set_blocking(woken, False)
@@ -153,7 +157,10 @@ def _leave(number: int, _: FrameType | None) -> None:
 
 
 def print_nowhere(*descriptors: int) -> None:
-    """Redirect streams, given by descriptor, to the null device, as their reader is gone."""
+    """Redirect streams, given by their file descriptors, to the null device.
+
+    It is called when the terminal, pipe or file behind them can no longer be written.
+    """
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for descriptor in descriptors:
         os.dup2(nowhere, descriptor)

@@ -18,7 +18,7 @@ from .stopping import STDERR, STDOUT, print_nowhere
 AGREES, DISAGREES, BAD_INPUT, NOT_RUN = 0, 1, 2, 3
 
 
-#: Width that a longer name may be wrapped to if a table is wider than the terminal.
+#: Width, characters, to which a longer name may be wrapped if a table is wider than the terminal.
 NAME = 12
 
 
@@ -39,9 +39,13 @@ def command(name: str, path: Path) -> str:
 def as_complaint(
     *errors: type[Exception], before: str = "", exit_code: int = BAD_INPUT
 ) -> Iterator[None]:
-    """Raise a `Complaint` in place of some errors, with their message after the text `before`.
+    """Raise a `Complaint` in place of some errors that the block raises.
 
-    `exit_code` is that with which the program then ends.
+    Parameters
+    ----------
+    errors : classes of these errors
+    before : text that is put before the error's message
+    exit_code : exit code with which the complaint ends the program
     """
     try:
         yield
@@ -63,7 +67,8 @@ def say(text: str) -> None:
 def escape_what_turns_text(stream: TextIO) -> None:
     """Make a stream print invisible characters, and those that reverse text, as escapes.
 
-    Commands of the terminal itself are kept: tables and progress bars are drawn by them.
+    ASCII characters are kept, as the control sequences that draw tables and progress bars consist
+    of them. The stream's method `write` is replaced.
     """
     write = stream.write
 
@@ -137,7 +142,7 @@ def table(rows: Sequence[Mapping[str, object]]) -> None:
 
 
 def _beside(columns: Sequence[object]) -> int:
-    """Return the number of characters in a line of a table beside and between its cells."""
+    """Return the number of characters in a line of a table that belong to no cell."""
     return 3 * len(columns) + 1
 
 
@@ -153,12 +158,15 @@ def _is_number(word: str) -> bool:
 
 
 def _narrowed(widths: list[int], least: list[int], room: int) -> list[int]:
-    """Return widths of columns that fit into a table; whichever can spare most is narrowed first.
+    """Return widths with which columns fit into a table.
+
+    The column with the most characters above its least width is narrowed first, by one character at
+    a time. Widths that fit already are returned unchanged.
 
     Parameters
     ----------
     widths, least : widths of the columns, and their least widths, characters
-    room : the sum of the widths returned
+    room : number of characters that all columns may take together
     """
     widths = list(widths)
     for _ in range(sum(widths) - room):
@@ -278,9 +286,10 @@ _OF_OUTPUT = (errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO, errno.EFBIG, er
 
 
 def refusal(error: Exception) -> Complaint | None:
-    """Return a `Complaint` for an error of the system or of engines' names; None for others.
+    """Return a `Complaint` for an error that is not a fault of the program; None for any other.
 
-    If the output cannot be written, what is still printed is discarded.
+    These are errors of the operating system, such as a full disk, a lack of memory, and two engines
+    of the same name. If standard output cannot be written, all that is printed later is discarded.
     """
     from ...engines import NameTaken
     from ..harness.executors import cause_of
@@ -303,7 +312,12 @@ def refusal(error: Exception) -> Complaint | None:
 
 @contextmanager
 def written(place: Path | str) -> Iterator[None]:
-    """Raise a `Complaint` if a file or folder cannot be written inside the block."""
+    """Raise a `Complaint` in place of an `OSError` that the block raises while it writes.
+
+    Parameters
+    ----------
+    place : file or folder that the complaint names if the error itself names none
+    """
     try:
         yield
     except OSError as error:

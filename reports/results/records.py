@@ -220,7 +220,7 @@ class Row(Record):
     errors : errors at the run's sample times; None unless it is ok
     drifts : largest change of each conserved quantity, relative, by name
     reference_uncertainty : relative uncertainty of the exact motion, in ω
-    steps : number of steps of the run
+    steps : number of steps up to the run's last sample
     seconds_per_step, seconds_spread : CPU seconds, the least over the repeats, and max − min over
         the repeats; None if it was not timed
     wall_seconds_per_step : the least wall time, s; None if it was not timed

@@ -25,12 +25,15 @@ def gradients(
     window: float | None,
     time_limit: float | None,
 ) -> list[GradientRow]:
-    """Judge the derivatives of steps of the methods named, or of all that are not as shipped.
+    """Return verdicts on the derivatives of methods' steps, each announced on stderr.
+
+    Methods as shipped are judged only if they are named.
 
     Parameters
     ----------
     scenes : files, folders or names of library scenes
-    engine, method : names of engines and methods; all defaults if empty
+    engine, method : names of engines and methods; if empty, all engines that are not optional, and
+        all methods that are not as shipped
     timestep, window : timestep, and length of the window over which gradients of many steps are
         compared, s; chosen for the scene if None
     time_limit : CPU time that a run may take, s; the default if None
@@ -66,7 +69,7 @@ def gradients(
 
 
 def print_gradients(rows: Sequence[GradientRow]) -> None:
-    """Print a table of verdicts, then the reasons, then the gradients at the end of the windows."""
+    """Print tables of verdicts and of gradients over the longest windows, and reasons between."""
     table(list(map(_found, rows)))
     for row in rows:
         if row.judged.reason:
@@ -82,7 +85,10 @@ def gradients_as_json(rows: Sequence[GradientRow]) -> list[dict[str, Any]]:
 
 
 def exit_code(rows: Sequence[GradientRow]) -> int:
-    """Return 1 if a derivative is wrong or fails, 3 if none is known to be right, else 0."""
+    """Return the exit code: 1 if a derivative is wrong or fails, 3 if none is shown to be right.
+
+    It is 0 otherwise.
+    """
     if any(VERDICT[row.judged.verdict].fails or row.judged.is_own is False for row in rows):
         return DISAGREES
     return AGREES if any(row.judged.verdict == "converges" for row in rows) else NOT_RUN

@@ -137,7 +137,8 @@ class Frame:
     ----------
     suffix : ending of the file's name
     head, tail : templates of the text before and after the script; the head contains a title
-    row : template of a line of exact values: number of steps, attitude, ω
+    row : template of a line of exact values: number of steps; attitude, quaternion w x y z; ω,
+        rad/s, body axes
     """
 
     suffix: str
@@ -152,7 +153,7 @@ FRAMES = {
 }
 
 
-#: Number of times at which the file compares the run with exact values.
+#: Largest number of times at which the file compares the run with exact values.
 MOST_SAMPLES = 21
 
 
@@ -200,7 +201,10 @@ def _without_script(scenario: Scenario, engine: Engine) -> str:
 
 
 def _writes(engine: Engine, scenario: Scenario) -> bool:
-    """Whether an engine can write stand-alone scripts, for this scene or for others."""
+    """Whether an engine writes stand-alone scripts.
+
+    It counts as able to if it refuses this scene alone, by an `EngineError`.
+    """
     try:
         return bool(engine.script(scenario, engine.methods[0], 1.0))
     except EngineError:

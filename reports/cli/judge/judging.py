@@ -32,7 +32,7 @@ class Judgement:
 
     Attributes
     ----------
-    motions : the motions, by the name of their file
+    motions : the motions, by the path of their file
     order : order of accuracy of the method that made them
     beyond : a sentence for each error bound, given by the user, that a motion exceeds
     """
@@ -64,12 +64,12 @@ class Judgement:
     def exit_code(self) -> int:
         """The program's exit code: 1 if a motion is wrong or exceeds a bound of the user's, else 0.
 
-        A motion is wrong if a mistake explains it. A single motion is wrong, too, if its error is
-        larger than that of a method of its order; several motions are wrong, too, if the verdict on
-        them is.
+        A motion is wrong if a common mistake explains its errors. A single motion is also wrong if
+        its error is larger than that of a method of its order; several motions are also wrong if
+        the verdict on them is.
         """
         motions = self.motions.values()
-        # For several files the verdict judges the error of a method.
+        # Of several files, the verdict judges the size of errors, and not a file's `is_beyond`.
         alone = self.verdict is None
         explained = any(one.explained_by or (alone and one.is_beyond) for one in motions)
         wrong = self.verdict is not None and not self.verdict.agrees
@@ -86,7 +86,7 @@ def judged_files(
     noise: Sequence[str],
     order: int,
 ) -> Judgement:
-    """Read recorded motions from files, and return them compared with the exact motion.
+    """Return recorded motions, read from files, compared with the exact motion.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def judged_files(
         recordings = [read_recording(file) for file in files]
     compile_first()
     motions = {}
-    # For several files the verdict judges the error of a method.
+    # Of several files, the verdict judges the order; each by itself is judged as of order 1.
     claimed = order if len(files) == 1 else 1
     for file, recording, timestep in zip_longest(files, recordings, timesteps):
         made = {} if timestep is None else {"timestep": repr(timestep)}
@@ -151,9 +151,16 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
 
 
 def _words(**options: str | None) -> dict[str, str]:
-    """Check options whose values are words, such as "wxyz"; return those that were given.
+    """Return the options that were given, in the form in which a file states them.
 
-    They are in the form in which a file states them. A `Complaint` is raised for another word.
+    Parameters
+    ----------
+    options : values that are words, such as "wxyz", by the option's name; None if not given
+
+    Raises
+    ------
+    Complaint
+        If a value is not one of the option's words.
     """
     given = {name: value for name, value in options.items() if value is not None}
     for name, value in given.items():
@@ -225,7 +232,7 @@ def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
     """Yield the lines that are printed about one recorded motion, without its table."""
     t = motion.recorded.trajectory.t
     yield f"{printable(name)}: {len(t)} samples from {t[0]:g} to {t[-1]:g} s"
-    # What to do comes first; the verdict holds from sample to sample, whatever is wrong with all.
+    # Mistakes that explain the errors come first: they tell what to do about the motion.
     sentences = [f"Explained by: {words}." for words in motion.explained_by]
     sentences.append(f"{motion.verdict[0].upper()}{motion.verdict[1:]}.")
     if motion.made_by:

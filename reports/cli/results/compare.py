@@ -18,8 +18,8 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
 
     Parameters
     ----------
-    old, new : two result files, or two engines of `stored`, of which one is a version, such as
-        mujoco@3.3.0, or in another encoding, such as "mujoco as welded"
+    old, new : paths of two result files, or names of two engines in `stored`, of which at least one
+        is another version, such as "mujoco@3.3.0", or another encoding, such as "mujoco as welded"
     stored : the result file in which engines are compared
 
     Raises
@@ -73,7 +73,7 @@ def _alone(results: Results, engine: str, name: str) -> Results:
 
 
 def exit_code(changes: Sequence[Change]) -> int:
-    """Return 1 if a change is a regression, else 0; not every change for the worse is one."""
+    """Return the exit code: 1 if any change is a regression (`Change.regression`), else 0."""
     return DISAGREES if any(change.regression for change in changes) else AGREES
 
 
@@ -91,9 +91,9 @@ def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
 
 
 def print_changes(changes: Sequence[Change]) -> None:
-    """Print the changes as a table, a line for each group of `_grouped`.
+    """Print the changes as a table with a line for each group that `_grouped` makes.
 
-    A line shows the change of its group that is the largest.
+    The line of a group shows its largest change.
     """
     if not changes:
         print("nothing changed")

@@ -36,7 +36,7 @@ def csv_text(records: Sequence[Mapping[str, object]]) -> str:
 
 
 def _flattened(record: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    """Yield a record's columns and values; inner records are joined by dots."""
+    """Yield a record's columns and values; an entry of an inner record is named "record.entry"."""
     for name, value in record.items():
         if isinstance(value, Mapping):
             yield from ((f"{name}.{entry}", inner) for entry, inner in _flattened(value))

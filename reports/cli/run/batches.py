@@ -48,7 +48,7 @@ def batches(
     device: str,
     time_limit: float | None,
 ) -> list[BatchRow]:
-    """Compare worlds in batches with the same world alone.
+    """Return comparisons of worlds in batches with the same world alone.
 
     Parameters
     ----------
@@ -124,9 +124,9 @@ def batches_as_json(rows: Sequence[BatchRow]) -> list[dict[str, Any]]:
 
 
 def exit_code(rows: Sequence[BatchRow]) -> int:
-    """Return 1 if a motion depends on its batch or a batch failed, else 0.
+    """Return the exit code: 1 if a motion depends on its batch or a batch failed, else 0.
 
-    Return 3 if no batch could be compared.
+    It is 3 if no batch could be compared.
     """
     if all(row.reason for row in rows):
         return NOT_RUN
@@ -149,7 +149,7 @@ def _line(row: BatchRow) -> dict[str, object]:
 
 
 def _words(apart: Apart | None) -> str:
-    """Return, in words, how far worlds are apart; None says that they are not."""
+    """Return, in words, how far worlds are apart; None stands for the same bits."""
     if not apart:
         return "same bits"
     return f"{apart.ulp:.2g} ulp, {apart.degrees:.1g}°" if isfinite(apart.ulp) else "not finite"

@@ -12,13 +12,13 @@ ALL = "all"
 
 
 def named_encodings(text: str) -> tuple[str, ...]:
-    """Return the encodings that the value of `--as` names, in any case.
+    """Return the names of the encodings that the value of `--as` names, each once.
 
     It raises a `Complaint` for a name of no encoding.
 
     Parameters
     ----------
-    text : names with commas between, or `all`; no encodings if empty
+    text : names with commas between, or `all`, in upper or lower case; no encodings if empty
     """
     names = [part.strip().lower() for part in text.split(",") if part.strip()]
     if ALL in names:
@@ -35,14 +35,16 @@ def named_encodings(text: str) -> tuple[str, ...]:
 def encoded(
     chosen: Sequence[Engine], names: Sequence[str], scenarios: Sequence[Scenario]
 ) -> Iterator[Engine]:
-    """Yield each engine in each encoding that applies to a scene; print which do not, and why.
+    """Yield each engine in each encoding that applies to any of the scenes.
 
-    The reason printed is why the encoding does not apply to the first scene. Engines that load
-    users' files are not printed.
+    Encodings that apply to none are printed, with the reason why they do not apply to the first
+    scene; those of engines that load users' files are left out without a message.
 
     Parameters
     ----------
-    names : the names of encodings
+    chosen : the engines
+    names : names of encodings
+    scenarios : the scenes, at least one
     """
     left_out: dict[str, list[str]] = {}
     for engine in (EncodedEngine(base, name) for base in chosen for name in names):

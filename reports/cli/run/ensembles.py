@@ -67,7 +67,7 @@ def _by_method(points: Iterable[Row]) -> list[list[Row]]:
 
 
 def _line(points: Sequence[Row]) -> dict[str, object]:
-    """Return a method's runs on an ensemble as a row of a table."""
+    """Return the runs of one method on the members of an ensemble as a row of a table."""
     outcomes = Counter(point.outcome for point in points)
     causes = Counter(point.cause for point in points if point.cause)
     run = Members(points[0].pair, tuple(point for point in points if point.simulated))
@@ -126,10 +126,19 @@ def _check_members(members: int, seed: int) -> None:
 
 
 def member_of(scene: str, number: int | None, seed: int | None) -> Scenario:
-    """Return the member of a scene's ensemble with a given number and seed.
+    """Return a member of a scene's ensemble, as a scene.
 
-    The scene itself is returned if the number is None; `seed` None stands for 0. A `Complaint` is
-    raised if the scene cannot be read or the member is no scene, or for a seed without a number.
+    Parameters
+    ----------
+    scene : a file, or the name of a library scene
+    number : number of the member, from 0 on; None for the scene itself
+    seed : seed of the ensemble; 0 if None
+
+    Raises
+    ------
+    Complaint
+        If the scene cannot be read, the member is no valid scene, the number or the seed is too
+        large, or a seed is given without a number.
     """
     base = one_scene(scene)
     if number is None:
@@ -191,9 +200,9 @@ def print_ensembles(swept: Sequence[EnsembleResult], out: Path, as_json: bool) -
 
 
 def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
-    """Return 3 if all runs failed or there are none, 1 if some failed, else 0.
+    """Return the exit code: 3 if all runs failed or there are none, 1 if some failed, else 0.
 
-    A run that diverged has not failed.
+    A run that diverged does not count as failed.
     """
     outcomes = {point.outcome for one in swept for point in one.points}
     if outcomes <= {"failed"}:
@@ -204,9 +213,14 @@ def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
 def _carried_out(
     definitions: Sequence[tuple[Ensemble, Scenario]], choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Run the members that the result file lacks.
+    """Return ensembles with the runs of the chosen methods; run the members that are missing.
 
-    Return each ensemble with the stored and the new runs of the chosen methods.
+    Parameters
+    ----------
+    definitions : each ensemble, with the scene that is scattered
+    choice : what runs on the members
+    jobs : number of worker processes
+    out : the result file, which is created if necessary, and to which new runs are added
     """
     check_all_apply(choice, [base for _, base in definitions])
     results = []

@@ -1,9 +1,9 @@
 """What the command `recommend` does: the cheapest method and timestep that stay within bounds.
 
 The runs and times come from a result file, as in the report's tables; if it has none of the scene,
-the scene is run and timed now. The cheapest choice is then run at exactly its timestep. If that
-check misses a bound, its run is added to those that are interpolated between, and the choice is
-made again.
+the scene is run and timed now. The cheapest choice is then checked by a run at exactly its
+timestep. If an error of that run exceeds its bound, the run is added to those between which
+timesteps are interpolated, and the choice is made again.
 """
 
 import math
@@ -53,15 +53,17 @@ class Recommendation:
     Attributes
     ----------
     bounds : the largest errors allowed, by signal
-    candidates : every method, the cheapest first, those that cannot reach the bounds last
+    candidates : every method that may be recommended, the cheapest first, those that cannot reach
+        the bounds last
     checks : runs at exactly a recommended timestep; the last one is of the first candidate
     unchecked : why the choice was not checked; empty if it was checked
-    setup : what users of the first candidate's engine write; empty if that is not known
+    setup : what users write in the first candidate's engine to set its method and timestep; empty
+        if the adapter does not state it
     command : the command that runs the first candidate again; empty if nothing is recommended
     nothing : why nothing is recommended; empty if something is
     source : the result file used; empty if the scene was run now
-    left_in : cost of the first candidate's steps with nothing left out, as in a user's script; None
-        if nothing is left out by default, or it was not timed
+    left_in : cost of the first candidate's steps with nothing left out, as a user's script steps;
+        None if the adapter leaves nothing out, or that was not timed
     """
 
     scenario: str
@@ -98,14 +100,14 @@ class Recommendation:
 def recommend(
     scene: str, bounds: ErrorBounds, engine_names: Sequence[str], jobs: int, stored: Path
 ) -> Recommendation:
-    """Choose the cheapest method and timestep on a scene, and check the choice by a run.
+    """Return the cheapest method and timestep on a scene, checked by a run.
 
     Engines as shipped are not considered.
 
     Parameters
     ----------
     scene : a file, or the name of a library scene
-    bounds : the largest errors allowed, by signal; those of a report if empty
+    bounds : the largest errors allowed, by signal; `BOUNDS` if empty
     engine_names : the engines to choose from; the default ones if empty
     jobs : number of worker processes
     stored : a result file; if it has no timed runs of the scene, its ladders are run
@@ -133,9 +135,11 @@ def recommend(
 
 
 def within(row: Row, bounds: ErrorBounds) -> bool:
-    """Return whether a run has errors to compare and none of them exceeds its bound.
+    """Return whether a run has errors, and each is at most its bound; False if one is unknown.
 
-    Bounds are by signal: attitude in rad, others relative.
+    Parameters
+    ----------
+    bounds : the largest errors allowed, by signal: attitude in rad, others relative
     """
     if row.errors is None:
         return False
@@ -180,11 +184,11 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
 def _timed_runs(
     scene: str, bounds: ErrorBounds, engine_names: Sequence[str], stored: Path
 ) -> Results | None:
-    """Return the results in a file on the scene, by the engines at their installed versions.
+    """Return the results on a scene in a file, of engines whose stored version is installed.
 
-    None is returned if there is no file, if it has no such scene or another version of it, if no
-    method has `LEAST_TIMED` timed runs, or if a signal that is bounded is missing in the errors:
-    older files have no spins.
+    None is returned if there is no file, if it lacks the scene or has another version of it, if no
+    method has `LEAST_TIMED` timed runs, or if the error in a signal with a bound is not stored, as
+    that of spins in older files.
 
     Parameters
     ----------
@@ -221,9 +225,11 @@ def _timed_runs(
 
 
 def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) -> Recommendation:
-    """Choose the cheapest candidate and check it by a run; where the check fails, choose again.
+    """Return the cheapest candidate, checked by a run; if the check fails, choose again.
 
-    The search ends when a check keeps the bounds, no candidate is left, or after `CHECKS` checks.
+    The search ends when a check keeps the bounds, when a check would take too long and is left out,
+    when no candidate is left, or after `CHECKS` checks. Nothing is recommended if the motion does
+    not tell methods apart (`steady`).
 
     Parameters
     ----------
@@ -252,7 +258,7 @@ def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) ->
 
 
 def _as_typed(candidate: Candidate) -> Candidate:
-    """Return the candidate with its timestep rounded to few digits and its cost changed to fit."""
+    """Return the candidate at a timestep rounded down to few digits, with the cost of that."""
     if candidate.timestep is None or candidate.cost is None:
         return candidate
     timestep = to_type(candidate.timestep, candidate.finest_useful)
@@ -267,7 +273,12 @@ def _left_in(results: Results, key: Key) -> MethodCost | None:
 
 
 def _setup(scene: SceneRuns, best: Candidate) -> str:
-    """Return what users write to use a candidate; empty if the adapter states nothing."""
+    """Return what users write in an engine to use a candidate; empty if the adapter states nothing.
+
+    Parameters
+    ----------
+    best : a candidate with a timestep
+    """
     assert best.timestep is not None, "only what reaches the bounds is recommended"
     return scene.by_pair[best.key.pair].setup(best.timestep)
 
@@ -297,9 +308,9 @@ def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
 
 
 def _with_run(results: Results, run: Row) -> Results:
-    """Return the results with one more run.
+    """Return the results with one more run, in place of one at the same timestep, if any.
 
-    Its cost per step is that of the same method's other runs.
+    As the run was not timed, the cost of a step is taken from another run of the method.
     """
     alike = next(row for row in reversed(results.rows) if row.key == run.key)
     priced = replace(
@@ -313,9 +324,9 @@ def _with_run(results: Results, run: Row) -> Results:
 
 
 def _as_typed_again(recommendation: Recommendation, engine_names: Sequence[str]) -> Recommendation:
-    """Return a recommendation whose command names an engine of one's own as the user typed it.
+    """Return a recommendation whose command names a user's own engine as the user typed it.
 
-    Such an engine, 'MODULE:CLASS' or 'child:COMMAND', is not known by its name alone.
+    Such an engine, given as 'MODULE:CLASS' or 'child:COMMAND', cannot be found by its name alone.
     """
     words = shlex.split(recommendation.command)
     if not words:

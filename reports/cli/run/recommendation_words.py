@@ -36,13 +36,13 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
 
 
 def _ratio(recommendation: Recommendation) -> float | None:
-    """Return the factor by which a step takes longer with nothing left out; None if not timed."""
+    """Return the time of a step with nothing left out over the usual time; None if not timed."""
     whole = recommendation.left_in
     return whole.cost.ratio.median if whole and whole.cost and whole.cost.ratio else None
 
 
 def _with_unit(bound: float, unit: str) -> str:
-    """Return a bound as text, in rad and in degrees if its signal's unit is not empty."""
+    """Return a bound as text: that of an angle, which has a unit, in rad and in degrees."""
     return f"{bound:.3g} rad, {math.degrees(bound):.3g}°" if unit else f"{bound:g}"
 
 

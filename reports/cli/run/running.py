@@ -37,9 +37,9 @@ from .encodings import encoded
 
 
 def announcement(left: Plan) -> str:
-    """Return how many verdicts and timings a plan will make, and of which engines, in words.
+    """Return, in words, how many verdicts and timings a plan will make, and of which engines.
 
-    The text is empty if there is one verdict at most.
+    The text is empty if the plan makes one verdict at most.
     """
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
@@ -67,13 +67,15 @@ def run(
     python: str = "",
     encodings: Sequence[str] = (),
 ) -> Results:
-    """Run the scenes, engines and methods named, and read their results back.
+    """Run the scenes, engines and methods named, and return their results from the result file.
 
     If no scenes are named, the whole library is run, its hard scenes on short ladders; a quick run
-    leaves the hard scenes out.
+    leaves the hard scenes out. Progress is printed on stderr.
 
     Parameters
     ----------
+    scenes : files, folders or names of library scenes; the library if empty
+    engine_names, methods : names of engines and methods; the default ones if empty
     timesteps : s; ladders of halved timesteps if empty
     jobs : number of worker processes
     out : the result file; what it holds already is not run again
@@ -149,7 +151,8 @@ def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
 def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
     """Return only the results that the user asked for, as a result file may hold others.
 
-    If timesteps were asked for, runs at those of the scene's expectations are kept, too.
+    If the user named timesteps, the runs at the timesteps of the scene's expectations, and rows
+    which say that a scene could not be solved, are kept, too.
     """
     pairs = [(engine.name, method.name) for engine, method in choice.pairs()]
     scenes = {scenario.name: scenario for scenario in scenarios}
@@ -203,7 +206,7 @@ def read(path: Path, scene: str = "") -> Results:
 
 
 def tidied(path: Path) -> str:
-    """Delete results that no longer count; return in words how many were deleted.
+    """Delete results that no longer count; return, in words, how many, and the space freed.
 
     It raises a `Complaint` if the result file cannot be used.
     """
@@ -245,12 +248,12 @@ def unproven_in_words(results: Results) -> str:
 
 
 def exit_code(results: Results, *, strict: bool = False) -> int:
-    """Return 0 if everything agrees, 1 if something does not, 3 if nothing could be run.
+    """Return the exit code: 0 if everything agrees, 1 if something does not, 3 if all runs failed.
 
     Parameters
     ----------
-    strict : whether verdicts 'unresolved' and 'diverges' count as disagreement, too; not those on
-        methods as shipped or of expected failures
+    strict : whether verdicts 'unresolved' and 'diverges' count as disagreement, except those on
+        methods as shipped and expected failures
     """
     if results.rows and all(row.outcome == "failed" for row in results.rows):
         return NOT_RUN

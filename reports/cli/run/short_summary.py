@@ -21,8 +21,9 @@ from .summary import aligned, of_signals
 WIDTH = 80
 #: Largest number of lines for one reason, and of scenes whose best choice is printed one by one.
 REASON_LINES, SCENES_PRINTED = 3, 3
-#: Largest number of methods whose errors are printed: engines as shipped, smallest errors first,
-#: then each engine's most accurate method, at least `OTHERS` of them.
+#: Largest number of methods whose errors are printed: first engines as shipped, those with the
+#: smallest errors, then the most accurate other method of each engine. If there are `OTHERS` such
+#: methods, at least so many of them are printed.
 METHODS_SHOWN, OTHERS = 8, 3
 #: Larger angles, degrees, are printed as whole numbers.
 LEAST_WHOLE = 9.5
@@ -44,9 +45,9 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 
 
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield lines that count the verdicts, and each word such as 'converges' or 'disagrees'.
+    """Yield lines with the numbers of scenes and verdicts, and how many verdicts of each word.
 
-    Methods with the effects of the scene alone, and methods as shipped, are counted apart.
+    Clean methods and methods as shipped are counted apart.
     """
     scenes = len({verdict.key.scenario for verdict in verdicts})
     yield f"{plural(scenes, 'scene')}, {plural(len(verdicts), 'verdict')}."
@@ -86,9 +87,10 @@ def _lost(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def _at_stock(report: ReportData) -> Iterator[str]:
-    """Yield a line for each method shown: median and largest attitude error at stock timestep.
+    """Yield a heading, and a line for each method shown, with its attitude errors.
 
-    At most `METHODS_SHOWN` of the `leading` methods are shown, below a heading.
+    A line has the median and the largest error over the scenes, at the stock timestep. At most
+    `METHODS_SHOWN` of the methods that `leading` returns are shown.
     """
     by_pair = {one.pair: one for one in at_stock(report)}
     first = [by_pair[pair] for pair in leading(report) if pair in by_pair]
@@ -109,9 +111,10 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 
 def _best(report: ReportData) -> Iterator[str]:
-    """Yield lines on the cheapest accurate run of each scene.
+    """Yield lines with the best choice of each scene, its error and its cost.
 
-    For more than `SCENES_PRINTED` scenes they name the methods that are most often best instead.
+    If more than `SCENES_PRINTED` scenes have one, the lines name the methods that are most often
+    the best choice instead.
     """
     choices = {scene.name: best_choice(scene) for scene in report.scenes}
     best = {name: choice for name, choice in choices.items() if choice is not None}
@@ -131,7 +134,7 @@ def _best(report: ReportData) -> Iterator[str]:
 
 
 def _finest(report: ReportData) -> Iterator[str]:
-    """Yield lines on where rounding makes errors grow at shorter timesteps, or has a bias."""
+    """Yield lines on methods whose errors grow at short timesteps by rounding, or with a bias."""
     for sentence in finest_in_words(list(finest_timesteps(report).values())):
         yield from textwrap.wrap(f"{sentence}.", WIDTH, max_lines=REASON_LINES, placeholder=" …")
 
@@ -157,9 +160,9 @@ def _brief(signal: Signal, error: float) -> str:
 
 
 def _named_run(row: Row, width: int) -> str:
-    """Return scene, method and timestep of a run, cut or padded to a width.
+    """Return the names of scene and method, and the timestep of a run, padded to a width.
 
-    Long names are cut; the timestep never is.
+    Names that are too long are cut; the timestep never is.
     """
     timestep = f" {duration(row.timestep)}"
     name, room = f"{row.key.scenario} {row.key.label}", width - len(timestep) - 1

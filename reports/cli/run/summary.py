@@ -30,8 +30,12 @@ VARIED = 24
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
     """Yield a heading for each method on each scene, and below it a line for each run.
 
-    Runs of ladders are listed by timestep, coarse to fine, a stock timestep with a star; runs of
-    ensembles by what is varied in them: seed and number of the member.
+    A run in which nothing is varied is named by its timestep, with a star if that is a stock
+    timestep; any other by what is varied, such as seed and number of an ensemble's member.
+
+    Parameters
+    ----------
+    rows : the runs, sorted by method and scene
     """
     for (key, varied), runs in groupby(rows, key=lambda row: (row.key, tuple(row.varied))):
         yield cut(
@@ -70,10 +74,7 @@ def of_signals(
 
 
 def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
-    """Return lines of text in which columns stand side by side, each aligned on the right.
-
-    There are none without columns.
-    """
+    """Return the lines of a table whose columns are aligned on the right; none without columns."""
     widths = [max(map(len, column)) + 1 for column in columns]
     return [
         "".join(text.rjust(width) for text, width in zip(line, widths, strict=True))
@@ -82,9 +83,10 @@ def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
 
 
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield a heading and a line for each verdict, and lines with its reason below it.
+    """Yield a heading, and for each verdict a line, with its reasons in indented lines below.
 
-    The lines below have all unmet expectations, and the reason if the verdict needs one.
+    The reasons are all unmet expectations, and the verdict's own reason unless the verdict is
+    `converges` or `unsupported`.
     """
     yield f"{'scene':{SCENE}} {'method':{METHOD}} {'verdict':11} {'order':>5} {'known to':>8}"
     for verdict in verdicts:
@@ -179,7 +181,7 @@ def _floor_record(finest: float | None, bias: float | None) -> dict[str, Any]:
 def _survival_record(survival: Survival | None) -> dict[str, Any]:
     """Return the largest timestep that a method survives as entries of a JSON object.
 
-    All are None for None.
+    All entries are None if it is not known, `survival` being None.
     """
     return {
         "largest_surviving_timestep": survival.timestep if survival else None,

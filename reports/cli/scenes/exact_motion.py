@@ -39,9 +39,10 @@ LETTERS = {1: [""], 3: ["_x", "_y", "_z"], 4: ["_w", "_x", "_y", "_z"]}
 
 
 def solved(scenario: Scenario, times: FloatArray) -> Solution:
-    """Return the exact motion of a scene at times, s, (n,); compile the solver first if need be.
+    """Return the exact motion of a scene at times, s, (n,), increasing.
 
-    It raises a `Complaint` if the motion cannot be solved.
+    The solver is compiled first if necessary. A `Complaint` is raised if the motion cannot be
+    solved.
     """
     compile_first()
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
@@ -51,7 +52,8 @@ def solved(scenario: Scenario, times: FloatArray) -> Solution:
 def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, str]:
     """Return the texts of truth.csv and, if wanted, of sensitivities.json, by file name.
 
-    It raises a `Complaint` if the motion cannot be solved.
+    They have the motion at the scene's sample times, and its derivatives. A `Complaint` is raised
+    if the motion cannot be solved.
     """
     solution = solved(scenario, scenario.times)
     motion = solution.trajectory
@@ -171,7 +173,9 @@ def describe(
 
 
 def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
-    """Return attitudes in which a tilt within the uncertainty of 0 or π is exactly 0 or π.
+    """Return attitudes, (n, 4), in which a tilt that may be 0 or π is exactly 0 or π.
+
+    A tilt may be 0 or π if it differs from that by the uncertainty at most.
 
     Otherwise the Euler angles α and γ of these attitudes would consist of rounding errors.
 
@@ -211,7 +215,10 @@ _ERRORS = ("uncertainty", "conditioning")
 
 
 def _state(state: dict[str, Any]) -> Iterator[str]:
-    """Yield a line with the time, and one for each quantity; four components fit eighty columns."""
+    """Yield a line with the time of a state, and one for each of its quantities.
+
+    With eight digits a number, lines of four components fit into eighty columns.
+    """
     yield f"\nt = {state['t']:.10g} s"
     for name, value in state.items():
         if name != "t":

@@ -68,8 +68,8 @@ def new_scene(name: str) -> Path:
     return path
 
 
-#: Default integrator of an exported MJCF, MuJoCo's most accurate one, and the turn in a step, rad,
-#: that it resolves to a few digits.
+#: Integrator of an exported MJCF, MuJoCo's most accurate one; and the angle turned in a step, rad,
+#: from which the file's timestep follows: with it the motion is right to a few digits.
 EXPORTED_INTEGRATOR = "RK4"
 EXPORTED_TURN = 0.05
 #: Timestep of a scene in which nothing moves, s: MuJoCo's own default.

@@ -9,7 +9,7 @@ from ....reference import IntegrationError, sensitivity
 from ....scenarios import Scenario, Trajectory
 from ..terminal import NOT_RUN, as_complaint, table
 
-#: Meanings of the six rows of each array, and of those of the arrays in `translation`.
+#: Meanings of the six rows of each array, three rows each, and of those in `translation`.
 ROWS = ["attitude, rad, body axes", "omega, rad/s, body axes"]
 ROWS_OF_TRANSLATION = ["com, m, world axes", "velocity, m/s, world axes"]
 HEADS = ("θx", "θy", "θz", "ωx", "ωy", "ωz")
@@ -45,7 +45,9 @@ def _listed(record: Any) -> dict[str, Any]:
 
 
 def print_derivatives(record: dict[str, Any]) -> None:
-    """Print a table for each time; a row has the headings' derivatives by one parameter.
+    """Print tables of the derivatives at each time, then the conditioning and the uncertainties.
+
+    Each row of a table of derivatives has those of all quantities in the headings by one parameter.
 
     Parameters
     ----------
@@ -70,7 +72,7 @@ def print_derivatives(record: dict[str, Any]) -> None:
 def _rows(
     record: dict[str, Any], heads: tuple[str, ...], k: int, names: Any
 ) -> Iterator[dict[str, object]]:
-    """Yield a row of a table for each number that derivatives are with respect to, at one time.
+    """Yield a row of a table for each number by which derivatives are taken, at one time.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ from ...results.verdicts import Verdict
 from ..choosing import choose
 from ..terminal import Complaint
 
-#: Number of steps of the longest run: for an engine that takes 15 µs a step, a quarter of a second.
+#: Number of steps of the longest run, which takes a quarter of a second at 15 µs a step.
 MOST_STEPS = 1 << 14
 
 
@@ -44,7 +44,9 @@ class Subject(ABC):
     method: Method | None = None
 
     def follows(self, name: str) -> None:
-        """Fail the test if the verdict on a scene is wrong or `diverges`; skip it if undecided.
+        """Fail the test if the verdict on a scene is `disagrees`, `failed` or `diverges`.
+
+        The test is skipped if the verdict is `unresolved` or `unsupported`.
 
         Parameters
         ----------
@@ -175,7 +177,7 @@ TESTS = [name for name in [*vars(test_adapter), *vars(test_physics)] if name.sta
 
 
 def known_failures(path: Path, tested: Sequence[Subject]) -> dict[str, str]:
-    """Return the reasons of known failures, by the ids of tests, from a file.
+    """Return the reasons of known failures from a file, by the names or ids of tests.
 
     The file is TOML, a line ``"test_heavy_top[my-engine-RK4]" = "reason"`` for each test. A line
     without the brackets holds for every engine and method.
@@ -248,7 +250,7 @@ class SuiteHooks:
         self._known = known_failures(Path(xfails), self._subjects) if xfails else {}
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
-        """Repeat each test of the suite for each subject."""
+        """Parametrise each test of the suite by the subjects, so that it is run on each of them."""
         if SUBJECT in metafunc.fixturenames:
             ids = [subject.name for subject in self._subjects]
             metafunc.parametrize(SUBJECT, self._subjects, ids=ids)
@@ -265,7 +267,10 @@ class SuiteHooks:
     def pytest_runtest_makereport(
         self, item: pytest.Item
     ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-        """Report what a failure means, and which public issues the test would have found."""
+        """Add to the report of a failure what it means, and issues that the test would have found.
+
+        It wraps pytest's own hook, and returns that hook's report.
+        """
         report = yield
         if _is_of_suite(item) and report.failed:
             about = vars(item.function)
