@@ -78,9 +78,10 @@ def choose(
 ) -> Choice:
     """Return the engines, methods and timesteps that a user named.
 
-    If no engine is named, all that apply to any of the scenes are chosen, except optional ones. If
-    no method or timestep is named, the choice has none, which stands for the default ones. Engines
-    that the user gives as a version, a class or a command are added to the list of engines.
+    If no engine is named, all that apply to any of the scenes are chosen, except optional ones. A
+    choice without methods stands for all methods that engines offer for a scene, and one without
+    timesteps leaves these to the command. Engines that the user gives as a version, a class or a
+    command are added to the list of engines.
 
     Parameters
     ----------

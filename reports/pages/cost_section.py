@@ -15,7 +15,7 @@ TO_LEVEL = {f"to {number(level, 1).removeprefix('1×')}": level for level in LEV
 
 
 def median_table(gathered: ReportData) -> Table:
-    """Return a table of each method's median cost at each level of error.
+    """Return a table of each method's median cost, CPU s a simulated s, at each level of error.
 
     The median is over the scenes that the method can simulate. Cells have a second line: the number
     of scenes on which the method reaches the error. The table is empty if no run was timed.
@@ -61,7 +61,10 @@ def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
 
 
 def _whole_cell(cost: MethodCost) -> Cell:
-    """Return a cell on steps with nothing left out: the time they add, the difference of motion."""
+    """Return a cell on steps with nothing left out: how much longer they take, and the motion.
+
+    The second line of the cell says how far the motion is off, or that it is identical.
+    """
     ratio = cost.cost.ratio if cost.cost else None
     more = f"{ratio.median - 1:+.0%} ± {ratio.spread:.0%}" if ratio else NOTHING
     same = "motion identical to the last bit"

@@ -76,7 +76,12 @@ class _Element:
 
 
 class _Parser(HTMLParser):
-    """Parses a page; `open` are the elements that have not ended, the outermost first."""
+    """Parses a page into elements.
+
+    Attributes
+    ----------
+    open : the elements that have not ended, the outermost first; the first of all is the page
+    """
 
     def __init__(self) -> None:
         super().__init__(convert_charrefs=True)

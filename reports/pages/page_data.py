@@ -18,8 +18,8 @@ from .tables import Table
 
 #: Highest order of differences: the rounding to a step grows by a factor of two with each order.
 HIGHEST_ORDER = 6
-#: Largest multiple of the step: nothing larger is drawn, and sums of differences stay exact in a
-#: double.
+#: Largest multiple of the step that is carried; larger values, none of which is drawn, are cut to
+#: it. Sums of differences up to it are exact in a double.
 LARGEST = 1 << 40
 
 
@@ -30,7 +30,7 @@ class Differences:
     Attributes
     ----------
     step : size of the step, in the unit of the array
-    order : how many times differences were taken; each time the first number is kept as it is
+    order : how many times differences of neighbours were taken; each time the first number is kept
     values : the differences, whole numbers, (n,)
     gaps : indices at which the array is NaN
     """

@@ -30,7 +30,8 @@ class Cell:
 
     Attributes
     ----------
-    kind : "number", a verdict, …: the CSS class by which the style sheet colours or aligns the cell
+    kind : CSS class by which the style sheet colours or aligns the cell, such as "number", "name"
+        or the word of a verdict
     detail : a second, smaller line
     link : target of the cell's link, relative to the page; HTML only
     note : text that the HTML page shows on demand

@@ -36,7 +36,7 @@ def to_html(text: str) -> str:
 LIST = "assets/files.txt"
 #: Largest number of bytes of that list that are read; a report of 10⁵ scenes has fewer.
 LONGEST_LIST = 1 << 24
-#: Pattern of files that a report can have written: files of its folders, named after scenes.
+#: Pattern of the paths of files that a report can have written, among them those of scenes.
 _OWN = re.compile(
     r"index\.html|report\.md|assets/(?P<asset>[a-z]+\.(js|css)|files\.txt)"
     r"|scenes/(?P<scene>[^/]+)\.(html|md|xml|urdf)"
@@ -46,10 +46,12 @@ _OWN = re.compile(
 class ReportFolder:
     """A folder that pages are written to: a new or empty one, or that of an earlier report.
 
+    It is created if there is none, and a list of the files of a report is written into it.
+
     Raises
     ------
     OSError
-        If the folder cannot be written, or has files that no report wrote.
+        If the folder cannot be written, or has files, but not the list that a report writes.
     """
 
     def __init__(self, folder: Path) -> None:

@@ -35,7 +35,7 @@ class Candidate:
     bias : bias of the rounding, ulp of single precision a step; None if no bias is shown
     timestep : s; None if a bound is out of reach or no step was timed
     cost : CPU seconds for a simulated second at that timestep
-    spread : relative spread of the timings of a step
+    spread : spread of the timings of a step, relative to the time of a step
     """
 
     key: Key
@@ -56,9 +56,11 @@ class Candidate:
 
 
 def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
-    """Return each method's timestep and cost within all error bounds, the cheapest first.
+    """Return the timestep and cost with which each method stays within all error bounds.
 
-    Methods for which a bound is out of reach come last, and so do those whose steps were not timed.
+    The cheapest method comes first.
+
+    Methods for which a bound is out of reach, or whose steps were not timed, come last.
     Engines as shipped are left out, since they may simulate something else than the scene, and so
     are methods that load users' model files. The scene must have been solved.
     """
@@ -84,7 +86,7 @@ def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
 
 
 def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candidate:
-    """Return a method with the longest timestep that keeps within every bound, and its cost.
+    """Return a method with the longest timestep at which it stays within every bound, and its cost.
 
     Timestep and cost are None if a bound is out of reach, or no step was timed.
     """
@@ -127,7 +129,8 @@ def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
 
 #: Bounds of a best choice: attitude in rad; ω relative to its largest value.
 ATTITUDE_WITHIN, OMEGA_WITHIN = math.radians(0.1), 1e-3
-#: A motion tells methods apart if uniform rotation from its start exceeds a bound by this factor.
+#: A motion tells methods apart if the error of uniform rotation from the same start exceeds a bound
+#: by this factor.
 TELLING = 10.0
 BOUNDS: ErrorBounds = {"attitude": ATTITUDE_WITHIN, "omega": OMEGA_WITHIN}
 
@@ -139,7 +142,7 @@ class BestChoice:
     Attributes
     ----------
     cost : CPU seconds for a simulated second; None if nothing was timed
-    within : whether the run is accurate enough; if not, it is the most accurate one
+    within : whether the run's errors are within `BOUNDS`; if not, it is the most accurate run
     finest_useful : timestep below which the method's errors grow by rounding, s; None if no run
         shows that
     """
@@ -168,11 +171,14 @@ def best_choice(scene: SceneRuns) -> BestChoice | None:
 
 
 def best_choices(scene: SceneRuns) -> list[BestChoice]:
-    """Return the best choice of each engine, the best first; none if the motion is `steady`.
+    """Return the best choice of each engine, the best of all first.
 
-    A best choice is the cheapest run within `BOUNDS`, of the methods that converge, or if there is
-    none the most accurate run. Engines as shipped, and methods that load users' model files, are
-    left out; so are untimed runs if any run was timed.
+    A best choice is the cheapest run within `BOUNDS` by a method that converges, or, if there is no
+    such run, the most accurate run by such a method. There are no best choices if the scene could
+    not be solved, or its motion does not tell methods apart (`steady`).
+
+    Engines as shipped, methods that load users' model files, and runs that are no better than no
+    motion are left out; so are untimed runs if any run was timed.
     """
     if scene.solved is None or steady(scene.solved, BOUNDS):
         return []
@@ -191,9 +197,10 @@ def best_choices(scene: SceneRuns) -> list[BestChoice]:
 
 
 def to_type(timestep: float, finest: float | None) -> float:
-    """Return a timestep, s, rounded down to two digits, but not from above `finest` to below it.
+    """Return a timestep, s, rounded down to two digits.
 
-    Such a timestep becomes `finest`. A timestep that is below `finest` already is rounded.
+    If rounding would take it below `finest`, `finest` is returned. A timestep that is below
+    `finest` already is rounded all the same.
 
     Parameters
     ----------
@@ -204,12 +211,13 @@ def to_type(timestep: float, finest: float | None) -> float:
 
 
 def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
-    """Return why a scene does not tell good methods from bad ones; empty if it does.
+    """Return why a scene's motion does not tell good methods from bad ones; empty if it does.
 
-    It does not if a trivial forecast, uniform rotation about the axis at the start, has errors of
-    less than `TELLING` times the bounds of attitude and ω (`BOUNDS` where none is given). If bounds
-    are on the com alone, or its velocity, the forecast is uniform motion of the com. On skill
-    relative to a trivial forecast see A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417.
+    It does not if the errors of a trivial forecast are at most `TELLING` times the bounds. The
+    forecast is a body that goes on with its ω and velocity at the start. Its errors are compared
+    with the bounds on attitude and ω, taken from `BOUNDS` if not given; if there are bounds on the
+    com or its velocity alone, with those. On skill relative to a trivial forecast see A. H. Murphy,
+    Mon. Wea. Rev. 116 (1988) 2417.
     """
     errors = _errors_of_uniform_motion(solved)
     if bounds and bounds.keys() <= {"com", "velocity"}:

@@ -19,10 +19,10 @@ from .report_data import MethodRuns, SceneRuns, report_data
 #: Factor by which an error must differ to count as changed: at the same timestep, an engine that
 #: computes the same makes the same error, up to rounding.
 ERROR_FACTOR = 1.1
-#: Factor by which a cost must differ to count as changed, and by more than both spreads. Of 497
-#: methods timed three times on one processor, busy with other work, no two times were more than
-#: 1.18 apart, though up to 12 % of them by more than both spreads; of steps that cost twice as
-#: much, 99 % are detected.
+#: Factor by which a cost must differ to count as changed; it must also differ by more than the sum
+#: of both spreads. When 497 methods were timed three times each on one processor that was busy with
+#: other work, no two times of a method differed by more than a factor of 1.18, though up to 12 % of
+#: them by more than both spreads. Of steps that cost twice as much, 99 % are detected.
 COST_FACTOR = 1.25
 #: The outcomes of runs, from good to bad.
 OUTCOMES: tuple[Outcome, ...] = ("ok", "unsupported", "diverged", "failed")
@@ -39,7 +39,8 @@ class Change:
 
     Attributes
     ----------
-    name : the entry of the environment, the signal of an error, or the expectation
+    name : what has changed, by its kind: the entry of the environment, the scene, the method, the
+        signal of an error, the expectation, "seconds_per_step" for a cost, else the kind itself
     old, new : the values in the two files; None if missing
     direction : whether the change is for the worse, for the better, or neither
     regression : whether it is for the worse, and due to the engine or program under test
@@ -101,7 +102,9 @@ def _edited(name: str, old: Results, new: Results) -> bool:
 def _scenes(old: Results, new: Results, edited: set[str]) -> Iterator[Change]:
     """Yield a change for each scene that is in one file only, or was edited.
 
-    `edited` are the names of the latter.
+    Parameters
+    ----------
+    edited : names of the scenes whose motion differs between the files
     """
     before, after = ({key.scenario for key in _by_key(r)} for r in (old, new))
     for name in sorted(before ^ after):
@@ -120,9 +123,13 @@ def _methods(old: Results, new: Results) -> Iterator[Change]:
 
 
 def _presence(before: bool) -> tuple[str | None, str | None]:
-    """Return old and new value of what is in one file only: "there", and None for the other file.
+    """Return the old and the new value of a change of what is in one file only.
 
-    `before` tells whether it is in the old file.
+    The value is "there" for the file that has it, and None for the other.
+
+    Parameters
+    ----------
+    before : whether the old file has it
     """
     return ("there", None) if before else (None, "there")
 
@@ -205,9 +212,9 @@ def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
 
 
 def _has_changed(old: float, new: float, noise: float) -> bool:
-    """Return whether an error has changed, by more than noise and by `ERROR_FACTOR`.
+    """Return whether an error has changed by more than noise, and by more than `ERROR_FACTOR`.
 
-    Errors that are both beyond the asymptotic range never count as changed.
+    Two errors that are both beyond the asymptotic range never count as changed.
 
     Parameters
     ----------
@@ -274,9 +281,12 @@ def _judged(
     worse: bool,
     timestep: float | None = None,
 ) -> Change:
-    """Return a change for the worse, which counts as a regression, or for the better.
+    """Return a change for the better, or one for the worse, which counts as a regression.
 
-    `worse` says which; `timestep` is in s, None for a change that is not of one timestep.
+    Parameters
+    ----------
+    worse : whether the change is for the worse
+    timestep : s; None for a change that is not of one timestep
     """
     direction: Direction = "worse" if worse else "better"
     return Change(kind, name, old, new, direction, worse, **asdict(key), timestep=timestep)

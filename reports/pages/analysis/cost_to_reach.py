@@ -20,8 +20,9 @@ LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 SceneCurves = Sequence[Curve]
 
 #: By engine, method and level of error: the number of scenes on which the method reaches the level,
-#: the number of those on which it does by extrapolation only, and the median of CPU seconds for a
-#: simulated second over the scenes that the method can simulate, infinite where it does not.
+#: the number of those on which it does so by extrapolation only, and the median cost, CPU seconds
+#: for a simulated second. The median is over the scenes that the method can simulate; the cost
+#: counts as infinite on those on which it does not reach the level.
 Tallies = dict[tuple[str, str, float], tuple[int, int, float | None]]
 
 
@@ -47,8 +48,8 @@ def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> 
     return {(engine, method, level): tuple(counts) for engine, method, level, *counts in found}
 
 
-#: Words for how the cost of a level is known: between two runs, at the coarsest run, below the
-#: finest.
+#: Words for how the cost of a level is known: "measured" between two runs, "at most" that of the
+#: coarsest run, "extrapolated" below the finest run.
 How = Literal["measured", "at most", "extrapolated"]
 #: Words for why a level is out of reach.
 Barrier = Literal[
@@ -115,10 +116,10 @@ def reach(curve: Curve, level: float) -> Reach:
 
 
 def _first_within(curve: Curve, level: float) -> int | None:
-    """Return the index of the coarsest stable run within an error that no finer run exceeds.
+    """Return the index of the coarsest stable run that is within an error, as all finer runs are.
 
-    A finer run may exceed the error if rounding explains that, as rounding adds less to coarser
-    runs. None is returned if there is no such run.
+    A finer run may have a larger error if rounding explains it, since rounding adds more to finer
+    runs. None is returned if no run is within the error.
     """
     errors = [point.error for point in curve.stable]
     finest = curve.least.timestep if curve.least else 0.0
@@ -145,14 +146,15 @@ def _below_finest(curve: Curve, level: float, order: float) -> float:
 
 
 def above_round_off(curve: Curve) -> list[CurvePoint]:
-    """Return the stable runs whose errors are larger than rounding explains."""
+    """Return the stable runs whose errors are larger than rounding explains, coarse to fine."""
     return [point for point in curve.stable if point.error > curve.floor(point.timestep)]
 
 
 def _below_the_ladder(curve: Curve, level: float) -> Reach:
     """Return the timestep and cost for an error below those of all runs, by the observed order.
 
-    If errors show no order, or rounding prevents the error, return the reason.
+    The result has only a reason if the method does not converge, no run is stable, the error is
+    relative to zero, errors show no order, or rounding keeps the error out of reach.
     """
     if curve.verdict != "converges":
         return Reach(level, curve.verdict or "no verdict", curve.reason)

@@ -41,9 +41,10 @@ class Finest:
 
 
 def finest_timesteps(gathered: ReportData) -> dict[Pair, Finest]:
-    """Return what rounding does to each method, the longest timesteps first.
+    """Return what rounding does to methods; those on which it has no effect are left out.
 
-    Methods are left out if no scene shows that their errors grow by rounding, or a bias.
+    An effect is a timestep below which errors grow, or a bias, on any scene. The methods with the
+    longest such timesteps come first.
     """
     shown: dict[Pair, list[tuple[str, float | None, float | None]]] = {}
     for scene in gathered.scenes:

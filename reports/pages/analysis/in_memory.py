@@ -9,10 +9,10 @@ from weakref import finalize
 
 
 class Tables:
-    """Tables that are filled once, and answer SQL with the aggregates `median` and `median_high`.
+    """Tables that are filled once, and queried in SQL with the aggregates `median`, `median_high`.
 
-    `median_high` is the larger of two middle numbers, because errors and costs may be infinite
-    (9e999).
+    `median_high` is the larger of two middle numbers, where `median` is their mean: it is defined
+    if one of them is infinite, as errors and costs may be (9e999).
 
     Parameters
     ----------

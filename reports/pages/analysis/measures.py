@@ -9,7 +9,7 @@ import numpy as np
 from ....scenarios import SIGNAL, FloatArray
 from ...results.records import Pair, Row
 
-#: Degrees in a rad.
+#: Factor from rad to degrees.
 DEGREES = SIGNAL["attitude"].shown
 
 
@@ -20,8 +20,8 @@ class Measure:
     Attributes
     ----------
     title : name with its unit
-    of : returns the number of a run, the worst possible if the run did not finish; None if the run
-        has none
+    of : returns the number of a run; None if it is not known. A run that did not finish has the
+        worst possible number, or that of the part up to its end
     more_is_better : whether the best run has the largest number
     """
 
@@ -39,7 +39,11 @@ def _attitude(row: Row) -> float | None:
 
 
 def _turns(row: Row) -> float | None:
-    """Return a run's turns until it is 1° off or ends early; inf if never, None if unknown."""
+    """Return the turns of the motion until a run's attitude is off by 1°, or the run ends early.
+
+    It is inf if a run that finished is never off by 1°, 0 if nothing is known of a run that did not
+    finish, and None if nothing is known of a run that finished.
+    """
     if row.turns is None:
         return None if row.errors else 0.0
     if row.turns_within_1deg is not None:
@@ -57,7 +61,7 @@ def _a_turn(row: Row) -> float | None:
 ATTITUDE = Measure(SIGNAL["attitude"].error_title, _attitude)
 TURNS = Measure("turns until the attitude is 1° off", _turns, True)
 A_TURN = Measure("attitude error a turn, °", _a_turn)
-#: Quantiles that are shown, as order statistics: each is the number of some member.
+#: Quantiles that are shown. They are order statistics: each is the value of one of the members.
 QUANTILES = {"p50": 0.5, "p95": 0.95, "p99": 0.99, "largest": 1.0}
 
 
@@ -83,9 +87,10 @@ class Members:
         return _known(measure, self.finished)
 
     def quantiles(self, measure: Measure) -> tuple[float | None, ...] | None:
-        """Return a measure's values at `QUANTILES`, from the best to the worst; None without runs.
+        """Return a measure's values at `QUANTILES`, from the best to the worst.
 
-        p95 and p99 are None where they would be the largest value itself: p99 needs 100 members.
+        p95 and p99 are None if they would be the worst value itself: p99 needs 100 members.
+        None is returned if no value is known.
         """
         values = _known(measure, self.points)
         if not len(values):
@@ -104,7 +109,7 @@ def _known(measure: Measure, points: Iterable[Row]) -> FloatArray:
 
 
 def members_of(points: Iterable[Row], pairs: Iterable[Pair]) -> list[Members]:
-    """Return the runs on an ensemble's members by method, without those of unsupported scenes.
+    """Return, for each method, its runs on an ensemble's members that it can simulate.
 
     Parameters
     ----------

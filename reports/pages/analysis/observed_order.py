@@ -21,17 +21,18 @@ def observed_order(
 ) -> float | None:
     """Return the order with which errors shrink: the slope of log error against log timestep.
 
-    It is a least-squares slope with its sign, over the best window of `FITTED_RUNGS` neighbouring
-    rungs of a ladder. Errors are usable if they are in the asymptotic range and above round-off and
-    the reference's uncertainty; of fewer than two there is no slope. Of the windows whose errors
-    lie on a line to within `ORDER_SLACK` the finest is used; windows with falling errors are
-    preferred to level ones. If no window is that straight, the straightest is used, since rounding
-    bends the finest.
+    Errors are usable if they are in the asymptotic range and above round-off and the reference's
+    uncertainty. The slope, with its sign, is fitted by least squares to the errors of a window of
+    `FITTED_RUNGS` rungs of the ladder that follow each other among the usable ones; two usable
+    errors alone have their slope. Of the windows whose errors lie on a line to within `ORDER_SLACK`
+    the finest is used, but windows whose errors shrink come before level ones. If no window is that
+    straight, the straightest is used, since rounding bends the finest.
 
     Parameters
     ----------
     timesteps, errors : coarse to fine, timesteps in s, (n,)
-    roundoff_bounds : the largest error by round-off at each timestep, (n,)
+    roundoff_bounds : the largest error by round-off at each timestep, in the unit of the errors,
+        (n,)
     uncertainty : uncertainty of the reference, in the unit of the errors
 
     Returns

@@ -1,11 +1,12 @@
 """The results as tables in SQL, which pages and the terminal ask their questions to.
 
 ``run`` has a line for each run, and ``usual`` a line for each run at the stock timestep that an
-engine's users get by default; ``tried`` has a line for each method on a scene, ``unasked`` for each
-effect that acted in a run though the scene does not call for it, and ``altered`` for each default
-of an engine that alone alters the equations of motion of a scene. They are made in memory from a
-result file: numbers are in SI units, angles in rad, a missing error of a run is infinite, and what
-is not known is NULL.
+engine's users get by default. ``tried`` has a line for each method on a scene, ``unasked`` a line
+for each effect that acted in a run though the scene does not call for it, and ``altered`` a line
+for each default of an engine that alone alters the equations of motion of a scene.
+
+The tables are made in memory from a result file. Numbers are in SI units, angles in rad; a missing
+error of a run is infinite, and what is not known is NULL.
 """
 
 import math
@@ -150,14 +151,16 @@ class Usual(OfMethod):
     ----------
     timestep : s
     shipped : whether it is the engine with all its defaults
-    scenes, unfinished, blew_up, failed : number of runs, and of those that did not end well,
-        diverged and failed
+    scenes, unfinished, blew_up, failed : number of scenes, each with one run; of runs without
+        errors; of those that diverged; and of those that failed
     middle, largest : the median attitude error, degrees, and the largest, where the error of a run
         that did not end well counts as infinite
-    worst, worst_finished : the scene of the largest error, and that of the largest finite one
+    worst, worst_finished : the scene of the largest error, and that of the largest finite error,
+        which is None if no run ended well
     largest_finished : the largest finite error, degrees; None if no run ended well
-    turns : the median number of turns until the attitude is off by 1°
-    a_turn : the median error that a turn adds, degrees
+    turns : the median number of turns until the attitude is off by 1°; infinite if it never is,
+        None if not known
+    a_turn : the median error that a turn adds to the attitude, degrees; None if not known
     """
 
     engine: str
@@ -198,10 +201,10 @@ def at_stock(gathered: ReportData) -> list[Usual]:
 
 
 def leading(gathered: ReportData) -> list[Pair]:
-    """Return the methods to show first: of each engine one as shipped and one other.
+    """Return the methods to show first: of each engine, one as shipped and one other.
 
-    They are the first method as shipped, and of its other methods the most accurate of those that
-    simulate the most scenes.
+    The one as shipped is the first that the adapter lists. The other is, of the methods that can
+    simulate the most scenes, the one with the smallest median error at the stock timestep.
     """
     first = {engine: (engine, method) for engine, method in reversed(as_shipped(gathered))}
     others = [one for one in at_stock(gathered) if not one.shipped]

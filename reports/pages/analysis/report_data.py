@@ -31,11 +31,11 @@ from .wording import typed
 
 @dataclass(frozen=True, eq=False)
 class MethodRuns(OfMethod):
-    """The runs of one method on one scene, and the verdict.
+    """The runs of one method on one scene, and the verdict on it.
 
     Attributes
     ----------
-    rows : runs, coarse to fine
+    rows : runs in which nothing is varied, coarse to fine
     verdict : None if the study was stopped before there was one
     declared : what the adapter declared about the method when it ran; None if not in the file
     style : how the method's curves are drawn
@@ -73,18 +73,18 @@ class MethodRuns(OfMethod):
 
     @cached_property
     def finest(self) -> Row | None:
-        """The finest run that ended well, of those whose samples are kept.
+        """The finest run with the outcome `ok`, of those whose samples are kept.
 
-        If none of these ended well, it is the finest of them; None if no samples are kept.
+        If none of these is `ok`, it is the finest of them; None if no samples are kept.
         """
         finished = [row for row in self.sampled if row.outcome == "ok"]
         return next(iter([*(finished or self.sampled)][-1:]), None)
 
     @cached_property
     def stock(self) -> tuple[Row, ...]:
-        """The runs at stock timesteps, coarse to fine, also those that were not made.
+        """The runs at stock timesteps, coarse to fine, with the rows of runs that were not made.
 
-        The engine's own stock timestep is the first, unless it is shorter than 1 ms.
+        The first is at the engine's own stock timestep, unless that is shorter than 1 ms.
         """
         return tuple(row for row in self.rows if row.stock)
 
@@ -176,7 +176,8 @@ class SceneRuns:
     def _exact_at(self, motion: Trajectory) -> Trajectory:
         """Return the exact motion at the times of a run's samples.
 
-        It is the stored one if these are the sample times of the ladder, and computed otherwise.
+        If these are the first sample times of the stored exact motion, that is used; otherwise the
+        exact motion is computed.
         """
         stored, n = self.exact.solution.trajectory, len(motion.t)
         if n <= len(stored.t) and np.array_equal(stored.t[:n], motion.t):

@@ -11,22 +11,25 @@ ULP = float(np.finfo(np.float32).eps)
 #: Conserved momenta, whose drift is relative to their own size.
 MOMENTA = ("L_norm", "L_vertical", "L_axial")
 #: Number of runs, each with half the timestep of the one before, that must show the same drift a
-#: step, and within which factor: by rounding at random it would halve over three runs, and by a
-#: method's own error fall to a quarter or less.
+#: step, and the factor within which it must be the same. By rounding at random the drift a step
+#: would halve over three runs, and by a method's own error fall to a quarter or less.
 RUNS, ALIKE = 3, 2**0.5
-#: Least drift of a run, in units of what rounding at random by an ulp a step comes to.
+#: Least drift of a run that counts as biased, in units of what rounding at random by one ulp a step
+#: adds up to: the square root of the number of steps, in ulp.
 WALK = 4.0
-#: Most ulp a step that are called rounding; more have another cause.
+#: Largest drift a step that counts as rounding, ulp; a larger one has another cause.
 MOST = 64.0
 
 
 def rounding_bias(runs: MethodRuns) -> float | None:
     """Return the bias of a method's rounding: the drift of a momentum in a step, ulp of 24 bits.
 
+    A drift counts as a bias if it is the same in each step in the finest `RUNS` runs of the ladder,
+    as by rounding that is always in one direction.
+
     Returns
     -------
-    The largest such drift of any conserved momentum, in the finest run; None unless the drift a
-    step is the same in the finest runs, as by rounding that is always in one direction.
+    The largest bias of any conserved momentum, in the finest run; None if there is none.
     """
     return max(_biases(runs), default=None)
 

@@ -42,8 +42,8 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
 
     Returns
     -------
-    The timestep; None if nothing was run, the method cannot simulate the scene, or the scene could
-    not be solved.
+    The timestep as a `Survival`, whose `timestep` is None if the finest run did not survive. None
+    if nothing was run, the method cannot simulate the scene, or the scene could not be solved.
     """
     tried = sorted((row for row in rows if row.timestep and row.made), key=lambda row: row.timestep)
     if fastest_rate is None or all(row.outcome == "unsupported" for row in tried):
@@ -68,14 +68,14 @@ def in_words(survived: Survival | None) -> tuple[str, str]:
     return f"{bound}{number(survived.timestep)}", f"{bound}{number(survived.turn)}"
 
 
-#: The engine's own stock timestep, the one common to all engines, and the finest run that ended
-#: well.
+#: Names of a method's runs: at the engine's own stock timestep, at the stock timestep that is
+#: common to all engines, and the finest run with the outcome `ok`.
 At = Literal["stock", "common", "finest"]
 AT: tuple[At, ...] = ("stock", "common", "finest")
 
 
 def row_at(runs: MethodRuns, at: At, stock_timestep: float) -> Row | None:
-    """Return a method's run at its stock timestep, at 1 ms, or its finest run that ended well.
+    """Return a method's run at its stock timestep, at 1 ms, or its finest run that is `ok`.
 
     Parameters
     ----------

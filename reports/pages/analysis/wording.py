@@ -7,7 +7,7 @@ from decimal import ROUND_DOWN, Decimal
 from ....scenarios import SIGNAL, Errors
 from ...results.records import Row
 
-#: Text that is printed if there is no number.
+#: Text in place of a number that is not known or does not exist.
 NOTHING = "—"
 #: Numbers from 0.01 up to 1000 are printed without a power of ten.
 PLAIN_POWERS = range(-2, 3)
@@ -99,9 +99,9 @@ def count(value: int) -> str:
 
 
 def limited(error: float | None, uncertainty: float) -> str:
-    """Return an error as text; "≤ uncertainty" if the reference is not known any better.
+    """Return an error as text; an error up to the uncertainty as "≤ uncertainty".
 
-    Both are in the unit that is shown; an error of None is `NOTHING`.
+    Both numbers are in the unit that is shown; an error of None is `NOTHING`.
     """
     if error is None or not error <= uncertainty:
         return number(error)

@@ -58,7 +58,7 @@ class Curve(OfMethod):
     single_precision : whether the engine's ulp is that of floats of 24 bits
     declared : the order of accuracy of ω that the adapter declares; None if not known
     verdict, reason, order : the verdict on the method and scene, its reason, and the order at which
-        gains vanish; None if there is none
+        gains vanish; verdict and order are None if there is none
     """
 
     engine: str
@@ -97,7 +97,7 @@ class Curve(OfMethod):
 
         A run is usable if its error is in the asymptotic range, and above round-off and the
         reference's uncertainty. If there are too few such runs, the order of the verdict is
-        returned, which may be None.
+        returned, the order at which gains vanish, which may be None.
         """
         timesteps = np.array([point.timestep for point in self.stable])
         errors = np.array([point.error for point in self.stable])
@@ -176,7 +176,7 @@ def cost(row: Row) -> float | None:
 
 
 def slope(coarse: CurvePoint, fine: CurvePoint) -> float:
-    """Return the order of accuracy between two runs: log error ratio over log timestep ratio."""
+    """Return the order between two runs: log of their errors' ratio over log of the timesteps'."""
     return math.log(coarse.error / fine.error) / math.log(coarse.timestep / fine.timestep)
 
 

@@ -26,10 +26,11 @@ from .plot import (
 #: Numbers of circles of latitude and of half circles of longitude that show a surface, and number
 #: of points on each.
 LATITUDES, LONGITUDES, POINTS = 5, 8, 25
-#: Length of the axes relative to the surface; distance of the eye, in sides of the scene.
+#: Length of the drawn axes, in semi-axes of the surface.
 STICK_OUT = 1.18
-#: Half side of the scene, including the names of the axes.
+#: Half side of the 3-D plot, with the names of the axes, in semi-axes of the surface.
 EDGE = 1.3
+#: Distance of the eye from the middle of the plot, in the unit of Plotly's camera.
 EYE_DISTANCE = 1.25
 #: Smallest vertical component of the eye's direction, so that the curve is seen from above.
 LEAST_HEIGHT = 0.45
@@ -101,8 +102,9 @@ def _overlay(kind: str, matrix: FloatArray, **panel: int) -> dict[str, Any]:
     Parameters
     ----------
     kind : which curve the script draws, such as "axis"
-    matrix : takes vectors in body or world axes, by the kind, to the axes of the plot, (2 or 3, 3)
-    panel : number of the panel, if the figure has any
+    matrix : takes components of vectors along body or world axes, which depends on the kind, to
+        those along the axes of the plot, (2, 3) or (3, 3)
+    panel : `panel=k` for the k-th panel, counted from 1; nothing for a figure without panels
     """
     return {"kind": kind, "exact": "beginning"} | panel | {"matrix": matrix.tolist()}
 
@@ -171,7 +173,8 @@ HEIGHT = 400
 ONE_TURN = 360.0
 #: Factor of room around the path as seen from above.
 MARGIN = 1.1
-#: Size, rad, or relative to the largest ω, below which a path is drawn as a point.
+#: Least half width of what a panel shows, before its margin: of the unit sphere, or relative to the
+#: largest ω. A smaller path looks like a point.
 NARROWEST = 1e-6
 #: Range of tilt, degrees, below which the tilt counts as steady; the margin on both sides is as
 #: large.
@@ -242,7 +245,7 @@ def _first_turn(azimuth: FloatArray) -> Range:
 
 
 def _unit(vector: FloatArray, otherwise: FloatArray) -> FloatArray:
-    """Return the direction of a vector, (3,); `otherwise` if the vector is zero."""
+    """Return the unit vector along a vector, (3,); `otherwise` if the vector is zero."""
     size = float(np.linalg.norm(vector))
     return vector / size if size else otherwise
 
@@ -290,12 +293,13 @@ def polhode(scene: SceneRuns) -> list[Figure]:
 
 
 def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
-    """Return a figure of the path of ω's tip in the plane across the angular momentum.
+    """Return a figure of the path of ω's tip, projected on the plane normal to the initial L.
 
     Parameters
     ----------
     exact : the exact motion
-    R_level_world : rows are axes in the world, of which the third is along L, (3, 3)
+    R_level_world : matrix from world components to those along two axes normal to L, and along L,
+        (3, 3)
     """
     flat = (exact.to_world(exact.omega_body) @ R_level_world.T)[:, :2]
     fastest = float(np.linalg.norm(exact.omega_body, axis=1).max())
@@ -307,7 +311,12 @@ def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
 
 
 def _frame_about(third: FloatArray) -> FloatArray:
-    """Return a right-handed frame, its axes as rows, (3, 3), given the third, a unit vector."""
+    """Return a right-handed frame, (3, 3), with its axes as rows, of which the third is given.
+
+    Parameters
+    ----------
+    third : unit vector, (3,)
+    """
     first = np.eye(3)[np.argmin(np.abs(third))]
     first = first - (first @ third) * third
     first /= np.linalg.norm(first)

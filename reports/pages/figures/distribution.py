@@ -12,10 +12,10 @@ from ..analysis.trace_style import TraceStyle
 from .plot import Figure, Panel, Trace, drawing, line, method_style
 
 HEIGHT = 250
-#: Margins: a factor beside the outermost errors, and percent beside 0 and 100.
+#: Margins of the axes: a factor beside the outermost errors, and percent below 0 and above 100.
 BESIDE_ERRORS, PERCENT_MARGIN = 2.0, 3.0
-#: Largest error drawn, relative or in degrees; a run that blew up but finished would compress the
-#: axis.
+#: Largest error drawn, relative or in degrees: that of a run that blew up but finished would
+#: compress the axis.
 LARGEST = 180.0
 
 
@@ -26,7 +26,8 @@ def distribution(
 ) -> Figure:
     """Return a figure with the percentage of an ensemble's members whose error is at most a value.
 
-    Each method has a curve, which ends at the percentage that finished; at least one member did.
+    Each method has a curve, which ends at the percentage of its members that finished. At least one
+    error of one method must be above 0.
     """
     traces = []
     outermost = []

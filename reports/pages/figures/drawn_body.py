@@ -19,9 +19,9 @@ MOST, A_TURN = 500, 24
 
 @lru_cache(maxsize=1)
 def dense_motion(scene: SceneRuns) -> Trajectory:
-    """Return the exact motion at `MOST` times of the window, or of its first `MOST / A_TURN` turns.
+    """Return the exact motion at `MOST` evenly spread times.
 
-    The shorter of both is covered.
+    They cover the window, or its first `MOST / A_TURN` turns if the window has more.
     """
     shown = min(1.0, MOST / A_TURN / scene.turns) if scene.turns else 1.0
     return scene.outline(shown * scene.end, MOST)
@@ -42,9 +42,10 @@ class DrawnBody:
     ----------
     shape : an ellipsoid if the body has an axis of symmetry, else a box
     half_sides : half sides of a solid with the body's mass and moments, principal axes, m, (3,)
-    R_body_axes : principal axes about the com to body axes, (3, 3)
-    axis_body : unit vector of the axis whose path is drawn, (3,)
-    up_world : unit vector from which the axis's tilt β is measured, (3,)
+    R_body_axes : matrix from components along the principal axes about the com to those along the
+        body's axes, (3, 3)
+    axis_body : unit vector of the axis whose path is drawn, body axes, (3,)
+    up_world : unit vector from which the axis's tilt β is measured, world axes, (3,)
     up_means : the direction of `up_world` in words
     """
 
@@ -78,8 +79,9 @@ def drawn_body(solved: SceneResult) -> DrawnBody:
 def axis_body(scenario: Scenario) -> FloatArray:
     """Return the unit vector, body axes, of the axis whose path is drawn, (3,).
 
-    It points from a pivot to the com; without a pivot it is the symmetry axis, or else the
-    principal axis with the largest part of L.
+    It points from the pivot, or from the tip on a table, to the com. For a free body, or one whose
+    com is the pivot, it is the symmetry axis, or else the principal axis with the largest component
+    of L.
     """
     lever = scenario.constraint.lever
     length = float(np.linalg.norm(lever))
@@ -98,7 +100,8 @@ def axis_body(scenario: Scenario) -> FloatArray:
 def _up(solved: SceneResult) -> tuple[FloatArray, str]:
     """Return the upward direction in the world, (3,), and its meaning in words.
 
-    It is −g if gravity turns the body, else the initial L; z if the body is at rest.
+    It is opposite to gravity if there is gravity and the body is on a pivot or a table, else along
+    the initial L; it is the z axis if L is zero.
     """
     scenario = solved.scenario
     gravity = float(np.linalg.norm(scenario.gravity_world))

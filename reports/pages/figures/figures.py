@@ -24,9 +24,10 @@ from .ladder_figures import convergence, work_precision
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, drawing, line
 from .signal_figures import defect_figure, omega_figures, tilt_figure
 
-#: How far beyond the turning points the well is drawn, in widths of the well; the least such
-#: distance, rad.
+#: How far beyond the turning points V_eff is drawn, as a multiple of the distance between these;
+#: and the least such extension, rad.
 BEYOND, NARROWEST = 0.6, math.radians(1.0)
+#: Number of points of the curve of V_eff.
 POINTS = 160
 #: Height above E′ up to which V_eff is drawn, in depths of the well. A well that is shallower than
 #: the second number times the range of V_eff, as in steady precession, is drawn whole.
@@ -37,9 +38,10 @@ _ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 
 
 def potential(scenario: Scenario) -> Figure | None:
-    """Return a figure of V_eff over the tilt with E′ and turning points.
+    """Return a figure of the effective potential V_eff over the tilt, with E′ and turning points.
 
-    None is returned for motions other than the nutation of a heavy symmetric top.
+    E′ is the energy without that of the spin about the symmetry axis, E − p_γ²/2 I₃. None is
+    returned for motions other than the nutation of a heavy symmetric top.
     """
     problem = rotational_problem(scenario)
     top = heavy_symmetric_top(problem)

@@ -11,19 +11,19 @@ from ...results.evidence import LEVEL, QUANTITIES, GainCurve, Quantity
 from ..analysis.report_data import MethodRuns, SceneRuns
 from .plot import OFF_THE_CHART, Figure, Panel, Trace, drawing, line, method_style
 
-#: Number of standard deviations of the band; and its opacity, as two hexadecimal digits after a
-#: colour.
+#: Half width of the band, in standard deviations of the prediction; and the band's opacity, as two
+#: hexadecimal digits after a colour.
 BAND, OPACITY = 2.0, "30"
-#: Number of standard deviations by which a gain, three numbers, misses its prediction with the
-#: probability of the level of verdicts.
+#: Distance between a gain, a vector of three components, and its prediction, in standard deviations
+#: of a component, that chance exceeds with the probability `LEVEL`.
 OFF = float(np.sqrt(chdtri(3, LEVEL)))
 #: Number of gains, at the longest timesteps, for which no prediction is made.
 NOT_PREDICTED = 2
-#: Room beside the outermost timesteps, and above the largest gain, as factors; below the noise, as
-#: a fraction of it.
+#: Factors of room beside the outermost timesteps and above the largest gain; and the lowest gain
+#: drawn, as a fraction of the noise.
 BESIDE, ABOVE, BELOW = 1.3, 3.0, 0.1
 HEIGHT, MARKER, RING = 360, 6, 15
-#: Largest number of methods in a panel that are named: the others have nothing but noise there.
+#: If fewer methods than this have more than noise in a panel, its heading names them.
 FEW = 3
 
 
@@ -37,7 +37,7 @@ def gain_figures(scene: SceneRuns) -> list[Figure]:
 
 
 def _curves(scene: SceneRuns, quantity: Quantity) -> Iterator[tuple[MethodRuns, GainCurve]]:
-    """Yield each method that has gains of a quantity, with their curve."""
+    """Yield each method with its gains of a quantity, if these include predicted ones."""
     for runs in scene.methods:
         steps = runs.evidence.steps if runs.evidence else None
         for curve in steps.curves if steps else ():

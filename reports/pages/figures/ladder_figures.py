@@ -25,7 +25,8 @@ from .plot import (
     method_style,
 )
 
-#: Factor by which a guide line is drawn below its curve, and by which its timesteps range.
+#: Factor by which a guide line is drawn below its curve; and the factor by which the line extends
+#: to longer and to shorter timesteps.
 GUIDE_BELOW, GUIDE_SPAN = 4.0, 8.0
 #: Number of points of a guide line.
 GUIDE_POINTS = 25
@@ -35,20 +36,22 @@ BESIDE = 1.5
 #: Line width of the Pareto front, so that it is visible behind the curves that touch it.
 FRONT_WIDTH = 7.0
 
-#: Vertical ranges of the panel of errors, and of the strip of runs without errors below it.
+#: Domains of the panel of errors, and of the strip of runs without errors below it, as in `Panel`.
 ERRORS, STRIP = ((0.0, 1.0), (0.26, 1.0)), ((0.0, 1.0), (0.0, 0.12))
 HEIGHT = 520
-#: Markers of runs without an error, and of runs at stock timesteps.
+#: Plotly's markers of runs without errors, by outcome.
 ENDED = {"diverged": "x-thin-open", "failed": "triangle-down-open"}
+#: Sizes of the rings around runs at stock timesteps, and of these markers, pixels.
 RING_SIZE, MARK_SIZE = 14, 9
 
+#: A function that returns the abscissa of a run in a figure; None if the run has none.
 Abscissa = Callable[[Row], float | None]
 
 
 def convergence(scene: SceneRuns) -> list[Figure]:
-    """Return a figure of errors against the timestep for each signal, with guides.
+    """Return a figure of errors against the timestep for each signal.
 
-    The guides are lines with the slopes of declared orders.
+    Guide lines show the slopes of the declared orders of accuracy.
     """
     return [
         _with(figure, [], [*_guides(scene, signal)])
@@ -77,8 +80,8 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tup
 
     Parameters
     ----------
-    abscissa : returns that number of a run, None if the run has none
-    x_title : name of that number
+    abscissa : returns that number of a run, such as its timestep; None if the run has none
+    x_title : name of that number, with its unit
     """
     x_range = _x_range(scene, abscissa)
     ended = list(_ended(scene, abscissa))
@@ -186,7 +189,7 @@ def _curves(
 
 
 def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
-    """Return the abscissa of each run, (n,); every run must have one."""
+    """Return the abscissas of runs, (n,); every run must have one."""
     return np.array([abscissa(row) for row in rows], dtype=float)
 
 

@@ -26,9 +26,9 @@ Range = tuple[float, float]
 MOST_SAMPLES = 400
 #: Placeholders for the colours of text, of wire frames and of the page.
 INK, WIRE, GROUND = "ink", "wire", "ground"
-#: Upper end of axes of errors; larger errors are blow-ups.
+#: Largest upper end of axes of errors, up to a factor of 2; larger errors are blow-ups.
 OFF_THE_CHART = 1e2
-#: Value at which blow-ups are cut off: browsers fail to draw larger numbers.
+#: Values of this size and above are not drawn: browsers fail to draw them.
 BEYOND_DRAWING = 1e30
 #: Largest number of labels on a log axis.
 LOG_LABELS = 8
@@ -48,7 +48,7 @@ class Panel:
     Attributes
     ----------
     y_range, x_range : lowest and highest value shown; all values if None
-    floor : the reference's uncertainty, below which a band is shaded; None if nothing is
+    floor : the reference's uncertainty: the panel is shaded below it; None for no shading
     equal_scales : whether both axes have the same scale
     domain : left and right, and bottom and top, as fractions of the figure
     """
@@ -176,7 +176,10 @@ def heading(text: str, x: float, y: float) -> dict[str, Any]:
 
 
 def packed(values: FloatArray) -> dict[str, str]:
-    """Return an array in base64 for Plotly, in single precision; values too large are gaps."""
+    """Return an array in base64 for Plotly, in single precision.
+
+    Values from `BEYOND_DRAWING` on become NaN, which Plotly draws as gaps.
+    """
     drawable = np.where(np.abs(values) < BEYOND_DRAWING, values, np.nan)
     single = np.ascontiguousarray(drawable, dtype="<f4")
     return {"dtype": "f4", "bdata": base64.b64encode(single.tobytes()).decode("ascii")}
@@ -208,7 +211,7 @@ def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
     floor : uncertainty of the reference
     """
     if not 0 < floor < math.inf:
-        # A signal with a base of zero, such as L of a body at rest, has no relative error.
+        # A signal whose exact value is zero, such as L of a body at rest, has no relative error.
         return EPS, 1.0
     finite = [curve[np.isfinite(curve)] for curve in curves]
     highest = max((float(curve.max()) for curve in finite if len(curve)), default=floor)

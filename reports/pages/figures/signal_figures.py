@@ -22,8 +22,9 @@ from .plot import (
     error_range,
 )
 
+#: Domains of the panel of tilt and of the panel of attitude errors below it, as in `Panel`.
 TILT, DIFFERENCE = ((0.0, 1.0), (0.52, 1.0)), ((0.0, 1.0), (0.0, 0.42))
-#: Range of tilt, degrees, below which it is drawn with a margin of this size.
+#: Least margin below and above the tilt in its panel, degrees.
 STEADY = 0.5
 #: Margin above and below a component of ω, as a fraction of the largest ω.
 STEADY_RATE = 0.05
@@ -84,8 +85,9 @@ def _over_time(
     Parameters
     ----------
     kind : which curves the page's script draws
-    axes : title of the axis of errors, and heading
-    floor : the reference's uncertainty, or what rounding may cause
+    axes : title of the axis of errors, and heading of the panel
+    curves : the errors of each run at its samples, which determine the range of the axis
+    floor : the reference's uncertainty, or what rounding may cause, in the unit of the errors
     """
     y_range, x_range = _errors(curves, floor), _window(solved)
     panel = Panel("t, s", *axes, y_range=y_range, x_range=x_range, log_y=True, floor=floor)
@@ -117,5 +119,5 @@ def _window(solved: SceneResult) -> Range:
 
 
 def _errors(curves: list[FloatArray], floor: float) -> Range:
-    """Return the range of an axis of errors as drawn; see `error_range`."""
+    """Return the range of an axis for curves of errors; see `error_range`."""
     return error_range([claimed(curve, floor) for curve in curves], floor)

@@ -24,9 +24,13 @@ STEADY = 0.02
 def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str, float]], int]:
     """Return the engines as shipped that lack the gyroscopic torque, and how many were examined.
 
-    Such an engine's ω keeps its direction in space on every scene on which the exact ω turns. With
-    each engine come the largest relative errors of its ω, by scene. The scenes are those of free
-    bodies without an effect but gravity.
+    Such an engine's ω keeps its direction in space on every scene on which the exact ω turns. The
+    scenes are those of free bodies on which no effect but gravity acts.
+
+    Returns
+    -------
+    By engine and scene, the largest relative error of ω of the engines that lack the torque; and
+    the number of engines examined.
     """
     lacking: dict[Pair, dict[str, float]] = {}
     has_it: set[Pair] = set()
@@ -46,7 +50,10 @@ def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str,
 
 
 def turned_in_space(motion: Trajectory) -> float:
-    """Return the largest angle between ω and its start, in space, rad; 0 for a body at rest."""
+    """Return the largest angle, rad, between ω and ω at the start, world axes.
+
+    It is 0 for a body that is at rest at the start.
+    """
     omega_world = motion.to_world(motion.omega_body)
     start = omega_world[0]
     across = np.linalg.norm(np.cross(omega_world, start), axis=1)
@@ -61,10 +68,10 @@ COMMON = 0.1
 def why(gathered: ReportData, one: Usual, harmless: Collection[str]) -> str:
     """Return, in words, on how many scenes an engine as shipped converges or not, and why if known.
 
-    Where it disagrees with the equations of motion, the text says what it alters or adds by
-    default, if that is known; not where it blows up, which may be due to the integrator alone.
-    Where it only converges, its errors are its integrator's. The text is empty if there is no
-    verdict but "unsupported".
+    If the engine disagrees with the equations of motion on any scene, the text says what it alters
+    or adds by default on these, if that is known. Scenes on which it blows up are only counted, as
+    the integrator alone may be the reason. If it disagrees on none, the text says that its errors
+    are its integrator's. The text is empty if there is no verdict but "unsupported".
 
     Parameters
     ----------

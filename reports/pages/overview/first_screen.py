@@ -14,8 +14,8 @@ from ..analysis.wording import NOTHING, duration, plural, readable
 from ..tables import Cell, figure, table
 from .causes import no_gyroscopic_torque, why
 
-#: Least fraction of the scenes that a method must be able to simulate to be recommended instead of
-#: a default.
+#: Least number of scenes that a method must be able to simulate to be recommended instead of a
+#: default, as a fraction of the largest such number of the engine's methods not as shipped.
 COVERING = 0.9
 #: Factor by which the median error of a recommended method must be smaller.
 MUCH_SMALLER = 2.0
@@ -44,11 +44,11 @@ COST = (
 
 
 def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[str, Any] | None:
-    """Return the answer, from the plain scenes alone; None if no default was run.
+    """Return the answer, from the plain scenes alone; None if no engine as shipped was run.
 
-    `lead` says how large the errors of the defaults are, and those of the methods recommended
-    instead; `table` has a column for each of these methods, `about` says what its numbers are, and
-    `why` has the reasons of the errors.
+    Its entry `lead` says how large the errors of defaults are, and those of the methods recommended
+    instead; `table` has a column for each of these methods, `about` says what the table's numbers
+    are, and `why` has the reasons for the errors.
 
     Parameters
     ----------
@@ -203,8 +203,8 @@ def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
     """Return the engine's most accurate method not as shipped; None unless it is much better.
 
     A method is much better if its median attitude error is smaller by the factor `MUCH_SMALLER`.
-    Methods are left out if they can simulate fewer scenes than `COVERING` times the number that the
-    engine's most capable such method can.
+    Methods are left out if they can simulate fewer scenes than `COVERING` times the largest number
+    that any method of the engine not as shipped can.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
 def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]) -> str:
     """Return, as text, the median over scenes of the ratio of two times of a step.
 
-    It is followed by the quartiles, unless they are the same number. The text is empty if no scene
+    The quartiles follow in brackets, unless they are the same text. The text is empty if no scene
     has both times.
 
     Parameters

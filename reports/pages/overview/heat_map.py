@@ -68,7 +68,7 @@ def _attitude(scene: SceneRuns, row: Row) -> str:
     return f"{limited_errors(row.errors, scene.uncertainty(row), ('attitude',))[0]}°"
 
 
-#: Significant digits that the data have; cells show two, their details three.
+#: Significant digits of numbers in the data; cells show two of them, the details of a cell three.
 DIGITS = 3
 #: The signal whose errors are shown at first.
 FIRST_SIGNAL = "attitude"
@@ -77,10 +77,10 @@ FIRST_SIGNAL = "attitude"
 def heat_map(gathered: ReportData) -> dict[str, Any]:
     """Return the data from which the page's script draws the table of errors.
 
-    `columns` are the methods. Each of `scenes` has a cell for each column, and the best choices,
-    the best first. A cell is None if the method was not tried on the scene; else it has a run for
-    each name in `AT`, or None. An error below the reference's uncertainty is given as that
-    uncertainty with a minus sign.
+    Its entry `columns` has the methods. Each of `scenes` has a cell for each column, and the best
+    choices, the best first. A cell is None if the method was not tried on the scene; else it has,
+    for each name in `AT`, a run, or None if there is no such run. An error up to the reference's
+    uncertainty is given as that uncertainty with a minus sign.
     """
     steps = own_timesteps(gathered)
     shipped = as_shipped(gathered)
@@ -190,7 +190,8 @@ def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
 def _best(scene: SceneRuns, best: BestChoice, steps: dict[str, float]) -> dict[str, Any]:
     """Return the page's data of a best choice, with its cost relative to a run as shipped.
 
-    That run is at the stock timestep, by the same engine, or else by the first engine that has one.
+    The run as shipped is at the stock timestep, by the same engine, or, if that has no such run, by
+    the first engine that has one.
 
     Parameters
     ----------

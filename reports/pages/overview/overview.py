@@ -16,7 +16,8 @@ from ..tables import Cell, Table, figure, method_anchor, named, records, scene_p
 #: Attitude error, rad, up to which a run counts as close.
 CLOSE = math.radians(1.0)
 WORDS = tuple(kind.word for kind in LISTED)
-#: Groups of scenes in reading order: scenes whose body is held by a constraint come first.
+#: Groups of scenes by their effects, in the order of the page: scenes whose body is held by a
+#: constraint come first.
 FREE, NOT_SOLVED = "Free", "Not solved"
 _OF_HELD = [one.group for one in EFFECTS.values() if one.group and one.constraint]
 _OF_OTHERS = [one.group for one in EFFECTS.values() if one.group and not one.constraint]
@@ -24,9 +25,9 @@ GROUPS = tuple(dict.fromkeys([*_OF_HELD, FREE, *_OF_OTHERS, NOT_SOLVED]))
 
 
 def headline(gathered: ReportData) -> str:
-    """Return how many verdicts of each kind there are, in sentences.
+    """Return, in sentences, how many verdicts of each kind there are on plain scenes.
 
-    Those on hard scenes and on engines as shipped are counted apart.
+    Verdicts on engines as shipped are counted apart, and of hard scenes only the number is given.
     """
     plain = gathered.plain
     counts, shipped = (verdict_counts(plain, as_shipped=which) for which in (False, True))
@@ -57,8 +58,9 @@ def headline(gathered: ReportData) -> str:
 def at_stock(gathered: ReportData) -> str:
     """Return in words how many runs keep the attitude to within `CLOSE` at their stock timestep.
 
-    Only methods with the verdict `converges` are counted, and no engines as shipped: that verdict
-    says nothing about errors at a given timestep. The text is empty if there are no such runs.
+    Only runs by methods with the verdict `converges`, which says nothing about errors at a given
+    timestep, are counted, and none of engines as shipped. The text is empty if there are no such
+    runs.
     """
     ((runs, close),) = ask(
         gathered,
@@ -118,12 +120,12 @@ def complaints(
 ) -> Table:
     """Return a table of verdicts with their reasons.
 
-    It has the verdicts of the kinds listed, and all those with unmet expectations.
+    It has the verdicts of the kinds that `is_listed` selects, and those with unmet expectations.
 
     Parameters
     ----------
-    is_listed : tells which kinds of verdicts are in the table
-    as_shipped : whether the table is of methods as shipped, or else of all others
+    is_listed : returns whether all verdicts of a kind are in the table
+    as_shipped : True for a table of methods as shipped, False for one of all others
     """
     rows = []
     for kind in LISTED:
@@ -179,7 +181,10 @@ def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
 
 
 def survivors_table(gathered: ReportData) -> Table:
-    """Return a table of how many hard scenes each method survives, by the turn in a step."""
+    """Return a table of how many hard scenes each method survives, by the turn in a step, rad.
+
+    The turn in a step is the timestep times the scene's fastest rate.
+    """
     reached = ", ".join(f"count(*) FILTER (WHERE at_least OR turn >= {turn})" for turn in TURNS)
     question = f"""
         WITH can AS (SELECT * FROM tried WHERE hard AND at_least IS NOT NULL)

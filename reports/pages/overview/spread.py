@@ -20,7 +20,7 @@ from ..tables import Cell, figure, scene_page, table
 def spread(results: Results) -> dict[str, Any] | None:
     """Return the distributions of errors at stock timesteps; None if no ensemble was run.
 
-    There is one for each kind of motion, with a figure and a table.
+    Each kind of motion with an ensemble has one, with a figure and a table.
     """
     ensembles = [one for one in results.ensembles if one.points and one.ensemble.timestep is None]
     declared = _declared([point for one in ensembles for point in one.points], results)
@@ -43,9 +43,9 @@ def spread(results: Results) -> dict[str, Any] | None:
 
 
 def _declared(points: Sequence[Row], results: Results) -> dict[Pair, Method | None]:
-    """Return what adapters declared about the methods that were run, in the adapters' order.
+    """Return what adapters declared about the methods that were run; None if nothing is stored.
 
-    It is None for a method that is not declared.
+    Methods are sorted by engine, and within an engine as the adapter lists them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Tables on a scene's page: the effect of each default, and of other encodings of the body."""
+"""Tables on a scene's page: the effect of each of an engine's defaults on the motion."""
 
 import math
 
@@ -26,7 +26,10 @@ def default_tables(scene: SceneRuns) -> list[Captioned]:
 
 
 def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
-    """Return a table of the errors with each default alone, and with all others."""
+    """Return a table of the errors with each default alone, and with all defaults but that.
+
+    The last row has the errors with no default, and with all.
+    """
     headings = [
         f"{error} {which}"
         for which in ("with it alone", "with all others")
@@ -64,9 +67,9 @@ def _size(errors: Errors | None) -> float:
 
 
 def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
-    """Return cells of errors of attitude, ω and energy, at least the reference's uncertainty.
+    """Return cells of errors of attitude, ω and energy; those up to the uncertainty as a bound.
 
-    If `errors` is None, the first says that the run diverged.
+    If `errors` is None, the first cell says that the run diverged.
     """
     if errors is None:
         return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]

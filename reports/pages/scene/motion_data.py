@@ -29,15 +29,15 @@ PAGE_SAMPLES = 4400
 EXACT_A_TURN, RUN_A_TURN = 16, 6
 #: Least number of samples of a motion of a few turns.
 LEAST_SAMPLES = 60
-#: Number of turns that the geometry is drawn from, if the whole motion takes more than
-#: `EXACT_SAMPLES`.
+#: Number of turns from which paths in space are drawn, if the whole motion would take more than
+#: `EXACT_SAMPLES` samples.
 FIRST_TURNS = 20
 #: Attitude error, rad, up to which a run looks like the exact motion, and is drawn as that.
 INVISIBLE = 1e-3
 #: Attitude error, rad, from which on a run is noticeably off.
 NOTICEABLE = math.radians(1.0)
-#: Steps to which components of quaternions are rounded, for the exact motion and for runs: if a
-#: window of one degree is drawn, half of the latter is a pixel.
+#: Steps to which components of quaternions are rounded, for the exact motion and for runs. If an
+#: axis shows one degree, the rounding of runs, half a step, moves a line by about a pixel.
 EXACT_STEP, RUN_STEP = 2.0**-16, 2.0**-13
 #: Steps to which components of ω are rounded, in units of the exact motion's fastest rate.
 EXACT_OMEGA_STEP, RUN_OMEGA_STEP = 2.0**-15, 2.0**-12
@@ -114,8 +114,11 @@ def _body(solved: SceneResult) -> dict[str, Any]:
 def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
     """Return a run's motion and errors for the page's script.
 
-    The motion is left out if it looks like the exact one. `fastest` is the largest exact ‖ω‖,
-    rad/s.
+    The motion is left out if the run is `ok` and its attitude errors are at most `INVISIBLE`.
+
+    Parameters
+    ----------
+    fastest : the largest ‖ω‖ of the exact motion, rad/s
     """
     uncertainty, style = scene.exact.solution.uncertainty, run.runs.style
     attitude = claimed(run.series["attitude"], uncertainty.attitude)
@@ -148,11 +151,12 @@ def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
 def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> NDArray[np.intp]:
     """Return the indices of the samples that the page carries of a run.
 
-    They are evenly spread, with the samples of the largest errors and the first noticeable one.
+    They are evenly spread. The samples of the largest errors of attitude and ω, and the first with
+    a noticeable attitude error, are added.
 
     Parameters
     ----------
-    most : number of spread samples
+    most : largest number of evenly spread samples
     attitude, omega : errors at the samples, (n,)
     """
     kept = set(thinned(len(run.motion.t), most).tolist())
@@ -182,8 +186,8 @@ def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
 
     Parameters
     ----------
-    most : largest number
-    a_turn : number for each turn
+    most : largest number of samples that is returned
+    a_turn : number of samples for each turn
     """
     return int(min(most, max(LEAST_SAMPLES, math.ceil(a_turn * scene.turns))))
 
@@ -214,7 +218,7 @@ def _states(
 
 
 def _continuous(q: FloatArray) -> FloatArray:
-    """Return quaternions, (n, 4), with signs such that neighbours are close."""
+    """Return quaternions, (n, 4), with signs chosen so that each is close to the one before."""
     flips = np.cumsum(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0)
     return np.asarray(q * np.where(np.append(0, flips) % 2, -1.0, 1.0)[:, None])
 

@@ -41,9 +41,9 @@ SHOWN_WRONG = 2
 def scene_answer(scene: SceneRuns) -> dict[str, Any] | None:
     """Return the answer at the top of a scene's page; None if the scene could not be solved.
 
-    `uses` has the best choice of each engine, the best of all first; `defaults` has engines as
-    shipped at their stock timesteps, and the best choice; `others` has every other method at stock
-    timesteps.
+    Its entry `uses` has the best choice of each engine, the best of all first. `defaults` is a
+    table of engines as shipped at their stock timesteps, and of the best choice; `others` is a
+    table of all other methods at stock timesteps.
     """
     if scene.solved is None:
         return None
@@ -72,8 +72,8 @@ def _is_of_files(scene: SceneRuns) -> bool:
 def shown_at_first(scene: SceneRuns) -> set[str]:
     """Return the labels of the methods shown in figures at first.
 
-    They are the `SHOWN_DEFAULTS` defaults with the smallest errors, and the best choice if there is
-    one.
+    They are the `SHOWN_DEFAULTS` engines as shipped with the smallest errors, and the best choice
+    if there is one.
     """
     best = best_choice(scene)
     closest = [runs.label for runs, _ in closest_defaults(scene)[:SHOWN_DEFAULTS]]
@@ -83,7 +83,8 @@ def shown_at_first(scene: SceneRuns) -> set[str]:
 def gains_shown_at_first(scene: SceneRuns) -> set[str]:
     """Return the labels of the methods whose gains are shown at first.
 
-    They are some that disagree, and the best choice or another method that does not.
+    They are at most `SHOWN_WRONG` methods that disagree, and one that does not: the best choice, or
+    else the first. Only methods whose steps were examined are considered.
     """
     examined = [one for one in scene.methods if one.verdict and one.evidence and one.evidence.steps]
     wrong = [one.label for one in examined if one.verdict and one.verdict.verdict == "disagrees"]
@@ -163,7 +164,10 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
 
 
 def _use(scene: SceneRuns, choice: BestChoice) -> dict[str, Any]:
-    """Return a best choice for the page: a summary, what users write, and a command to check it."""
+    """Return a best choice for the page: a summary, what users write, and a command to check it.
+
+    If the adapter does not state what users write, that is a command that writes a script.
+    """
     off, key = attitude_in_degrees(scene, choice.row), choice.row.key
     options = [scene.name, "--engine", key.engine, "--method", key.method]
     options += ["--timestep", repr(choice.timestep)]
@@ -212,7 +216,7 @@ def _line(
     Parameters
     ----------
     seen : the runs that are compared with the exact motion at each sample, by method and timestep
-    note : what is said of the run besides its timestep
+    note : words that follow the timestep, such as "recommended"
     """
     compared = seen.get((row.key, row.timestep))
     noticed = noticeable_from(compared) if compared else None

@@ -128,9 +128,10 @@ def published_table(scenario: Scenario) -> Table | None:
 
 
 def drifts_table(scene: SceneRuns) -> Table | None:
-    """Return a table of the drifts of each method's finest run; None if nothing is conserved.
+    """Return a table of the drifts of each method's finest run, relative.
 
-    Methods whose finest run has no drifts are left out; None is returned if none is left.
+    Methods whose finest run has no drifts are left out. None is returned if the motion conserves
+    nothing, or no method is left.
     """
     laws = [invariant.law for invariant in invariants(scene.exact.scenario)]
     shown = [(runs, runs.finest) for runs in scene.methods]
@@ -202,7 +203,7 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> dict[str, Cell | str]:
 
 
 def _besides(runs: MethodRuns) -> str:
-    """Return a sentence on what acts though the scene does not call for it; empty if nothing."""
+    """Return a sentence on what acted though the scene does not call for it; empty if nothing."""
     names = dict.fromkeys(name for row in runs.rows for name in row.unasked)
     return f"Active though the scene does not call for it: {', '.join(names)}." if names else ""
 
