@@ -232,7 +232,7 @@ def _child(command: str, time_limit: float | None) -> Engine:
     except ValueError as error:
         raise Complaint(f"{before}{error}") from None
     except EngineError as error:
-        # What a program states of itself is input, as what an adapter in Python states is.
+        # What the program states of itself wrongly counts as bad input, as of an adapter in Python.
         code = BAD_INPUT if error.cause == "protocol" else NOT_RUN
         raise Complaint(f"{before}{error}", code) from None
 

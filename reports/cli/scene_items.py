@@ -40,8 +40,8 @@ class SceneFile(pytest.File):
     def collect(self) -> Iterator[pytest.Item]:
         """Yield an item for the reference, and one for each engine and method.
 
-        A method as shipped has an item only if an `[[expect]]` names it. Engines that are missing
-        have items that are skipped.
+        A method that is as shipped, or that the engine does not offer for the scene, has an item
+        only if an `[[expect]]` names it. Engines that are missing have items that are skipped.
 
         Raises
         ------

@@ -54,7 +54,7 @@ class Explanation:
 
     @property
     def words(self) -> str:
-        """The words that follow "as if"."""
+        """The change in words, which complete a sentence that begins "behaves as if"."""
         return KINDS[self.kind].words(self.numbers)
 
 

@@ -24,9 +24,7 @@ _ROOTS = {
 #: Name of the module through which adapters import the interface.
 _INTERFACE = "engine"
 _ROOTS[_INTERFACE] = Path(import_module(_PROGRAM).__path__[0]) / _INTERFACE
-#: The modules that decide about each kind of result. What follows from a run's numbers, and not
-#: from the run itself, is judging: it also decides how far down a ladder is run, but a run's
-#: numbers do not depend on it.
+#: By the kind of result, the modules that determine it, with all that these import.
 DECIDING = {
     "motion": ("reference.solve",),
     "run": (
@@ -43,6 +41,8 @@ DECIDING = {
     "timing": ("reports.harness.costs.timing",),
     "verdict": ("reports.harness.convergence_study", "reports.harness.judging.verdict"),
 }
+#: Beginnings of the names of modules that judge the numbers of runs. They also decide how far down
+#: a ladder is run, but the numbers of a run do not depend on them: they count for verdicts alone.
 JUDGING = ("reports.harness.judging", "reports.harness.convergence_study", "reports.harness.plan")
 #: The package that stores results, and those of its modules that decide about results nevertheless.
 _STORING, _RULING = "reports.results", ("reports.results.verdict_words", "reports.results.evidence")

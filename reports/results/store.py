@@ -84,7 +84,7 @@ class Store:
         return [table.read(one) for one in found if self._counts(table, one)]
 
     def _counts(self, table: Table[Any], columns: sqlite3.Row) -> bool:
-        """Whether the digest that a record was stored with is the one that it must have."""
+        """Whether a record counts: whether it was stored with the digest that `_digest` returns."""
         return not table.rests_on or columns[DIGEST] == self._digest(table, columns)
 
     def _digest(self, table: Table[Any], columns: Mapping[str, Any] | sqlite3.Row) -> str:

@@ -51,7 +51,11 @@ class Verdict(Record):
 
     @property
     def tail(self) -> float | None:
-        """The p-value of all the evidence if the method converges; None without evidence."""
+        """The probability of evidence as unlikely as this if the method converges, at most 1.
+
+        It is the smallest tail of the evidence times the number of tails (Bonferroni); None without
+        evidence.
+        """
         found = [one.tail for one in (self.steps, self.own_steps, *self.replays) if one]
         return min(1.0, min(found) * len(found)) if found else None
 

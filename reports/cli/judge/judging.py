@@ -185,10 +185,10 @@ def _noise(stated: Sequence[str]) -> dict[str, str]:
 
 
 def _bound(option: str, text: str) -> tuple[str, float]:
-    """Parse SIGNAL=SIZE, the value of an option; return the signal and the size.
+    """Return the signal and the size that the value of an option, SIGNAL=SIZE, states.
 
     The size is in rad for the attitude, else the number as typed. A `Complaint` that names the
-    option is raised if the text has another form, or the size is negative.
+    option is raised if the text has another form, or if the size is negative or not finite.
     """
     name, _, size = text.partition("=")
     if name not in SIGNAL:

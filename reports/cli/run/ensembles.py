@@ -41,9 +41,9 @@ from ..terminal import (
 
 
 def print_ensemble(swept: EnsembleResult) -> None:
-    """Print a line for each method that ran on an ensemble, with its worst member.
+    """Print a table with a line for each method that ran on an ensemble.
 
-    Members that are no scene are counted below.
+    Members that are no valid scene are counted below.
     """
     print(f"{swept.scenario.name}: {swept.ensemble}")
     table([_line(points) for points in _by_method(swept.points)])

@@ -12,7 +12,7 @@ from .recommend import Recommendation
 
 
 def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
-    """Return a recommendation as a JSON object; scripts rely on its names."""
+    """Return a recommendation as a JSON object; scripts rely on the names of the keys."""
     methods = [_method(candidate) for candidate in recommendation.candidates]
     return {
         "scenario": recommendation.scenario,
@@ -47,7 +47,7 @@ def _with_unit(bound: float, unit: str) -> str:
 
 
 def print_recommendation(recommendation: Recommendation) -> None:
-    """Print the choice, its checks, how to run it again, and why other methods are out of reach."""
+    """Print why methods are out of reach, then the choice, its checks and how to run it again."""
     bounds = ", ".join(
         f"{SIGNAL[signal].label} to {_with_unit(bound, SIGNAL[signal].unit)}"
         for signal, bound in recommendation.bounds.items()

@@ -140,9 +140,11 @@ def _finest(report: ReportData) -> Iterator[str]:
 
 
 def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:
-    """Yield a line for each run at the timesteps, s, asked for: its errors, or how it ended.
+    """Yield a heading, and a line for each run with its errors, or how it ended.
 
-    A heading comes first.
+    Parameters
+    ----------
+    timesteps : the timesteps of the runs that are shown, s
     """
     shown = [row for row in rows if row.timestep in timesteps]
     errors = (dict(row.errors) for row in shown if row.errors)

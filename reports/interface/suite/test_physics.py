@@ -81,7 +81,7 @@ def test_energy_is_conserved(spincheck_subject: Any) -> None:
     "RobotLocomotion/drake#14800",
 )
 def test_attitude_follows_omega(spincheck_subject: Any) -> None:
-    """A free sphere turns by ω t about a skew axis: 1 rad/s for 1 s is 1 rad."""
+    """A free sphere turns about a skew axis by the angle ω t."""
     spincheck_subject.follows("sphere")
 
 

@@ -57,7 +57,7 @@ def potential(scenario: Scenario) -> Figure | None:
 def _well(
     top: HeavySymmetricTop, tilts: FloatArray, heights: FloatArray, ends: FloatArray
 ) -> Figure:
-    """Return a figure of V_eff over the tilt, and of E′ between the turning points.
+    """Return a figure of V_eff over the tilt, with E′ as a level line between the turning points.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ from ..analysis.trace_style import TraceStyle
 
 Trace = dict[str, Any]
 Figure = dict[str, Any]
-#: Lowest and highest value of an axis.
+#: Values at the lower and at the upper end of an axis, or at its left and right end.
 Range = tuple[float, float]
 
 #: Largest number of samples of a line; more would not be visible.
@@ -208,7 +208,13 @@ def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
 
     Parameters
     ----------
-    floor : uncertainty of the reference
+    curves : errors, which may be NaN or infinite
+    floor : uncertainty of the reference, in the unit of the errors
+
+    Returns
+    -------
+    The range. It is at most up to twice `OFF_THE_CHART`, and from `EPS` to 1 if the uncertainty is
+    zero or not finite.
     """
     if not 0 < floor < math.inf:
         # A signal whose exact value is zero, such as L of a body at rest, has no relative error.
@@ -226,7 +232,12 @@ def padded(values: FloatArray) -> Range:
 
 
 def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]:
-    """Return the settings of an axis in Plotly; `limits` are the least and largest value shown."""
+    """Return the settings of an axis in Plotly.
+
+    Parameters
+    ----------
+    limits : values at the two ends of the axis; None for all values
+    """
     axis: dict[str, Any] = {
         "title": {"text": title},
         "zeroline": False,
@@ -247,7 +258,10 @@ def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]
 def _floor_shading(suffix: str, bottom: float, floor: float) -> dict[str, Any]:
     """Return a grey band from the bottom of a panel up to the uncertainty.
 
-    `suffix` is the number of the axes as Plotly writes it.
+    Parameters
+    ----------
+    suffix : number of the panel's axes as `axis_suffix` returns it
+    bottom, floor : lower and upper end of the band, in the unit of the axis y
     """
     return {
         "type": "rect",

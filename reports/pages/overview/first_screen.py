@@ -171,7 +171,10 @@ def _column(
 
 
 def _worse_below(finest: Finest | None) -> tuple[str, str, str]:
-    """Return the cell for the timestep below which errors grow: text, kind and note."""
+    """Return text, kind and detail of the cell for the timestep below which errors grow.
+
+    The detail is the bias of rounding in words; text and detail are empty if errors do not grow.
+    """
     if finest is None or not finest.timesteps:
         return "", "number", ""
     return finest.timestep_in_words, "number", finest.bias_in_words

@@ -47,7 +47,10 @@ DECADES_STEP, LOWEST_DECADE = 0.01, -20.0
 
 
 def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
-    """Return the data from which the page's script draws a scene's motions; None if unsolved."""
+    """Return the data from which the page's script draws a scene's motions.
+
+    None is returned if the scene could not be solved.
+    """
     solved = scene.solved
     if solved is None:
         return None
@@ -70,10 +73,10 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _first(scene: SceneRuns) -> int:
-    """Return the index of the run to be played first: the engine as shipped with least error.
+    """Return the index, in `scene.compared`, of the run that the page plays first.
 
-    Engines are compared by their runs at their own stock timesteps; the index is 0 if there are
-    none.
+    It is the run with the least attitude error of all engines as shipped, each at the longest stock
+    timestep that is drawn; the index is 0 if there is no such run.
     """
     shipped = [
         (float(run.series["attitude"].max()), k)
