@@ -215,10 +215,12 @@ def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
 def results(path: "str | Path") -> "StoredResults":
     """Return the runs and verdicts of a result file, as lists of records.
 
+    Runs of ensembles are left out.
+
     Raises
     ------
     spincheck.reports.results.result_file.ResultFileError
-        If the file is missing or cannot be read.
+        If the file is missing, is no result file of this format, or cannot be read.
     """
     from .stored import StoredResults
 

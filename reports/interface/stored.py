@@ -18,8 +18,8 @@ class StoredResults:
 
     Attributes
     ----------
-    rows : the runs
-    verdicts : one for each scene and method
+    rows : the runs in which nothing is varied; those of ensembles are left out
+    verdicts : one for each scene and method: that on its ladder, or else the latest
     """
 
     rows: list[Row]
@@ -27,7 +27,10 @@ class StoredResults:
 
     @classmethod
     def read(cls, path: Path) -> Self:
-        """Return the runs and verdicts in a result file."""
+        """Return the runs and verdicts in a result file.
+
+        It raises `ResultFileError` as `spincheck.results` does.
+        """
         with open_store(path) as store:
             results = store.read()
         return cls(results.rows, results.verdicts)

@@ -32,9 +32,9 @@ class Cell:
     ----------
     kind : CSS class by which the style sheet colours or aligns the cell, such as "number", "name"
         or the word of a verdict
-    detail : a second, smaller line
-    link : target of the cell's link, relative to the page; HTML only
-    note : text that the HTML page shows on demand
+    detail : a second, smaller line; in Markdown it follows in brackets
+    link : target of the cell's link, relative to the page; empty for no link
+    note : text that the HTML page shows on demand, and that Markdown lacks
     """
 
     text: str

@@ -147,7 +147,7 @@ class Store:
         self.put(*map(DeclaredEngine.of, engines))
 
     def forget(self, keys: Iterable[Key]) -> None:
-        """Delete the results of methods on scenes; runs of ensembles are kept.
+        """Delete the results of methods on scenes; runs in which something is varied are kept.
 
         Parameters
         ----------
@@ -160,7 +160,10 @@ class Store:
                     connection.execute(f"DELETE FROM {table.name} WHERE {where}", _names(key))
 
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
-        """Store a scene and its exact motion."""
+        """Store a scene and its exact motion.
+
+        Rows which say that the scene could not be solved are deleted.
+        """
         with self._database.transaction() as connection:
             self._put(connection, SolvedScene.of(scenario, solution))
             # Such a row says that the scene could not be solved, which is now outdated.

@@ -149,7 +149,8 @@ def results_as_json(results: Results) -> dict[str, Any]:
 def verdict_records(results: Results) -> list[dict[str, Any]]:
     """Return verdicts as JSON objects.
 
-    Each has its method's finest useful timestep and the largest timestep at which runs survived.
+    Each has its method's finest useful timestep and bias of rounding on the scene, too, and the
+    largest timestep at which runs survived.
     """
     fastest_rates = {
         name: fastest_rate(scene.scenario, scene.solution.trajectory.omega_body)

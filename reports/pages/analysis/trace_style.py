@@ -1,6 +1,6 @@
 """Assigns each method a colour, dash and marker, the same on every page.
 
-No two methods share both dash and marker, so colour is never the only difference.
+Up to 40 methods differ in dash or marker, so that colour is never the only difference.
 """
 
 from collections.abc import Iterable
@@ -48,8 +48,8 @@ def trace_styles(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], Trac
     """Return a style for every (engine, method); a method's name has one colour in every engine.
 
     Engines with all their defaults are methods with nothing in common but the name `default…`, so
-    each has a colour of its own. No two methods have the same dash and marker, as long as there are
-    enough of both.
+    each has a colour of its own. No two of up to 40 methods have both the same dash and the same
+    marker; further ones repeat them.
     """
     pairs = list(pairs)
     named = {pair: pair if pair[1].startswith("default") else pair[1] for pair in pairs}
