@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from ..scenarios import Errors, Trajectory
+from .taylor import IntegrationError
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +41,14 @@ class Solution:
         return (
             f"it is chaotic, and from t = {self.horizon:.6g} s on not known to {MAX_UNCERTAINTY:g}"
         )
+
+    def require_more_than_the_start(self) -> None:
+        """Raise `IntegrationError` if the motion ends before the second of its times."""
+        if self.horizon is not None and len(self.trajectory.t) < 2:
+            raise IntegrationError(
+                f"no sample but the first is known: {self.ending}; "
+                "shorten '[window] duration', or raise its number of samples"
+            )
 
     def ends_before(self, duration: float) -> str:
         """Return a message that the body leaves its table before a window ends; empty if not.

@@ -90,6 +90,8 @@ def prepare(
     """
     exact = ExactMotion(scenario)
     outline = exact.outline(scenario.times)
+    if len(outline.t) < 2:
+        exact.solve(scenario.times).require_more_than_the_start()
     rate = fastest_rate(scenario, outline.omega_body)
     rungs = ladder(scenario.window, rate, len(outline.t), max_steps)
     at_stock = {timestep: stock_rung(outline.t, timestep, rate) for timestep in stock}

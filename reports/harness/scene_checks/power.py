@@ -21,12 +21,13 @@ def powerless(scenario: Scenario) -> Iterator[str]:
     Raises
     ------
     IntegrationError
-        If the exact motion cannot be found.
+        If the exact motion cannot be found, or not beyond the first sample.
     """
     present = [effect for effect in scenario.acting if effect.constraint is None]
     if not present:
         return
     solution = solve(scenario, scenario.times)
+    solution.require_more_than_the_start()
     exact = solution.trajectory
     if too_long := solution.ends_before(scenario.window.duration):
         yield f"{scenario.name}: {too_long}"
