@@ -1,5 +1,6 @@
 """A scene's tables: its reference, verdicts, conserved quantities, every run."""
 
+import math
 from collections import Counter
 
 from ....reference import facts, invariants
@@ -218,8 +219,8 @@ def _summary(runs: MethodRuns) -> str:
 
 
 def _components(values: FloatArray) -> str:
-    """Return numbers as text, with nine digits each."""
-    return ", ".join(f"{value:.9g}" for value in values)
+    """Return numbers as text, with nine digits each, and a dash for what is NaN."""
+    return ", ".join("—" if math.isnan(value) else f"{value:.9g}" for value in values)
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:

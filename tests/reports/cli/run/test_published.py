@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 from command_line import spincheck
+from spincheck.reports.pages.scene.scene_tables import published_table
+from spincheck.scenarios import load
 
 SCENE = """
 spincheck = 1
@@ -30,6 +32,8 @@ omega_body = {{ z = {value} }}
 tolerance = 1e-6
 source = "a book"
 """
+#: Of a table whose plane the body's origin slides on.
+TIP = "tip = [0.0, 0.0, 0.0]\nradius = 0.0"
 #: By the command, what is asked of it besides the scene.
 COMMANDS = {
     "check": (),
@@ -71,3 +75,19 @@ def test_a_check_says_what_a_scene_cannot_tell(tmp_path):
     assert words in spincheck("check", str(file_of(tmp_path, arm=0.0))).stdout
     assert words in spincheck("check", str(file_of(tmp_path, tilt=0))).stdout
     assert words not in spincheck("check", str(file_of(tmp_path))).stdout
+
+
+def test_a_value_after_the_end_of_the_exact_motion_is_not_compared_with_another_time(tmp_path):
+    """The body leaves its table at 0.03 s; the value printed for 0.5 s is that of the start."""
+    path = file_of(tmp_path, 3.0, arm=0.05, tilt=60)
+    text = path.read_text().replace("[effects.pivot]", "[effects.table]\nheight = 0.0\n" + TIP)
+    text = text.replace("[1.0, 1.0, 1.0]", "[1.6e-3, 1.6e-3, 8e-4]").replace("t = 1.0", "t = 0.5")
+    path.write_text(text.replace("[0.0, 0.0, 3.0]", "[0.0, 16.5, 3.0]"), encoding="utf-8")
+    done = spincheck("check", str(path))
+    assert done.returncode == 1
+    assert "3 in 'a book' cannot be compared: the exact motion is not known" in done.stderr
+
+
+def test_a_page_has_a_dash_for_a_component_that_nobody_printed(tmp_path):
+    (row,) = published_table(load(file_of(tmp_path, 3.0))).rows
+    assert row[2].text == "—, —, 3"
