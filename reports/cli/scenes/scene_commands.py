@@ -102,7 +102,7 @@ def check(
     result = checked(scenes)
     for line in [*result.lines, *result.powerless]:
         print(line)
-    complain(result.wrong)
+    complain([*result.wrong, *result.untrue] if result.wrong else [])
     if result.untrue:
         raise Complaint("\n".join(result.untrue), DISAGREES)
 

@@ -77,6 +77,16 @@ def test_a_check_says_what_a_scene_cannot_tell(tmp_path):
     assert words not in spincheck("check", str(file_of(tmp_path))).stdout
 
 
+def test_a_check_reports_values_that_do_not_hold_besides_files_that_are_wrong(tmp_path):
+    """The exit code is that of a file that is wrong; no finding hides another."""
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text(SCENE.format(arm="nan", tilt=0), encoding="utf-8")
+    done = spincheck("check", str(file_of(tmp_path, 3.1)), str(wrong))
+    assert done.returncode == 2
+    assert "wrong.toml:8: [body] com" in done.stderr
+    assert "exact 3; they differ by 1.00e-01" in done.stderr
+
+
 def test_a_value_after_the_end_of_the_exact_motion_is_not_compared_with_another_time(tmp_path):
     """The body leaves its table at 0.03 s; the value printed for 0.5 s is that of the start."""
     path = file_of(tmp_path, 3.0, arm=0.05, tilt=60)
