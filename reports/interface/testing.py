@@ -24,16 +24,18 @@ def assert_matches_exact(
     omega_world: "ArrayLike | None" = None,
     com: "ArrayLike | None" = None,
     velocity: "ArrayLike | None" = None,
+    spins: "ArrayLike | None" = None,
     **bounds: float,
 ) -> None:
     """Raise if a motion is further from the exact one than bounds allow.
 
     Parameters
     ----------
-    scene, t, q_wxyz, q_xyzw, omega_body, omega_world, com, velocity : as for `spincheck.judge`
+    scene, t, q_wxyz, q_xyzw, omega_body, omega_world, com, velocity, spins :
+        as for `spincheck.judge`
     bounds : largest error of each signal that is to be checked, at least one: `attitude` in rad;
-        `omega`, `angular_momentum`, `energy`, `com_error` and `velocity_error`, relative. The last
-        two bound the signals `com` and `velocity`, whose names are those of the arrays
+        `omega`, `angular_momentum`, `energy`, `com_error`, `velocity_error` and `spins_error`,
+        relative. The last three bound the signals whose names are those of the arrays
 
     Raises
     ------
@@ -61,6 +63,7 @@ def assert_matches_exact(
         omega_world=omega_world,
         com=com,
         velocity=velocity,
+        spins=spins,
     )
     if beyond := motion.beyond(wanted):
         explained = [f"Explained by: {words}." for words in motion.explained_by]

@@ -134,6 +134,14 @@ def test_the_assertion_passes_on_the_exact_motion_and_fails_with_an_explanation(
     assert "Explained by: ω is in world axes (state 'omega = world')." in str(failed.value)
 
 
+def test_the_assertion_takes_the_spins_of_rotors():
+    exact = spincheck.exact("wheel-in-a-box").at(np.linspace(0, 0.2, 41))
+    states = {"t": exact.t, "q_wxyz": exact.q_world_body_wxyz, "omega_body": exact.omega_body}
+    assert_matches_exact("wheel-in-a-box", **states, spins=exact.spins, spins_error=1e-12)
+    with pytest.raises(AssertionError, match="spins"):
+        assert_matches_exact("wheel-in-a-box", **states, spins=-exact.spins, spins_error=1e-3)
+
+
 @pytest.mark.parametrize(
     ("bounds", "words"),
     [
