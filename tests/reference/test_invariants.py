@@ -1,7 +1,9 @@
 """Every conservation law holds on the scenes it applies to, and detects motions that break it."""
 
+import re
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -126,6 +128,12 @@ def test_what_is_conserved_does_not_drift(name):
 def test_every_law_is_tried():
     tried = set().union(*(laws for _, laws in CASES.values()))
     assert tried == {law.name for law in LAWS}
+
+
+def test_the_page_on_physics_has_every_law():
+    text = (Path(__file__).parents[2] / "docs/explanation/physics.md").read_text(encoding="utf-8")
+    table = text.split("## What is conserved")[1]
+    assert re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE) == [law.name for law in LAWS]
 
 
 #: What is done to a motion to break a law: more than a bound, less than anyone would see.
