@@ -324,6 +324,7 @@ KINDS = {
         "there were no rotors' torque ω × h",
         "the rotors' torque ω × h had the other sign",
     ),
+    "spins left out": Kind("rotors on free hinges were at rest in the body in the torque ω × h"),
     "rotors' momentum": Kind("the rotors had an angular momentum of {} N m s", 3),
     "momentum besides": Kind("a wheel in it had a constant angular momentum of {} N m s", 3),
     **{
