@@ -51,16 +51,16 @@ class Solution:
             )
 
     def ends_before(self, duration: float) -> str:
-        """Return a message that the body leaves its table before a window ends; empty if not.
+        """Return a message that the motion is not known until a window ends; empty if it is.
 
-        The solution must be at the times of this window: the lift-off is not compared with
+        The solution must be at the times of this window: the horizon is not compared with
         `duration`.
 
         Parameters
         ----------
         duration : length of the window, s, which the message states
         """
-        if not self.lifts_off:
+        if self.horizon is None:
             return ""
         return (
             f"{self.ending}, before the window ends at {duration:g} s: nothing is compared from "

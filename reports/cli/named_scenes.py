@@ -87,15 +87,16 @@ class Checked:
 
     Attributes
     ----------
-    lines : one for each file without an error in its format, and one for each motion that cannot be
-        solved
+    lines : one for each file without an error in its format
     wrong : one for each error in a file
+    unsolved : one for each motion that cannot be solved
     untrue : one for each published value that differs from the exact motion
     powerless : one for each effect whose absence would not be noticed in the scene's motion
     """
 
     lines: list[str] = field(default_factory=list)
     wrong: list[str] = field(default_factory=list)
+    unsolved: list[str] = field(default_factory=list)
     untrue: list[str] = field(default_factory=list)
     powerless: list[str] = field(default_factory=list)
 
@@ -153,7 +154,7 @@ def _check_motion(scenario: Scenario, result: Checked) -> bool:
         result.untrue.extend(untrue)
         result.powerless.extend(powerless(scenario))
     except IntegrationError as error:
-        result.lines.append(f"{scenario.name}: no exact motion: {error}")
+        result.unsolved.append(f"{scenario.name}: no exact motion: {error}")
         return False
     return not untrue
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from ..options import AsJson, Scene, Scenes, Seed
-from ..terminal import DISAGREES, Complaint, command, table, to_json, written
+from ..terminal import BAD_INPUT, DISAGREES, NOT_RUN, Complaint, command, table, to_json, written
 
 app = typer.Typer()
 
@@ -97,14 +97,14 @@ def check(
 
     Prints mass, tilt and speed, in which a wrong unit is seen.
     """
-    from ..named_scenes import checked, complain
+    from ..named_scenes import checked
 
     result = checked(scenes)
     for line in [*result.lines, *result.powerless]:
         print(line)
-    complain([*result.wrong, *result.untrue] if result.wrong else [])
-    if result.untrue:
-        raise Complaint("\n".join(result.untrue), DISAGREES)
+    if failed := [*result.wrong, *result.unsolved, *result.untrue]:
+        code = BAD_INPUT if result.wrong else NOT_RUN if result.unsolved else DISAGREES
+        raise Complaint("\n".join(failed), code)
 
 
 @app.command(epilog="Example: spincheck export fast-top models")

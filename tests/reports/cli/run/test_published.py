@@ -1,9 +1,11 @@
 """Wrong published values and effects without influence are reported alike by all commands."""
 
+import re
 from pathlib import Path
 
 import pytest
 from command_line import spincheck
+from library_scenes import library_scene
 from spincheck.reports.pages.scene.scene_tables import published_table
 from spincheck.scenarios import load
 
@@ -87,6 +89,16 @@ def test_a_check_reports_values_that_do_not_hold_besides_files_that_are_wrong(tm
     assert "exact 3; they differ by 1.00e-01" in done.stderr
 
 
+def test_a_check_of_a_scene_without_an_exact_motion_fails_as_a_run_of_it_does(tmp_path):
+    text = library_scene("chaos-beyond-the-horizon").path.read_text(encoding="utf-8")
+    path = tmp_path / "too-long.toml"
+    window = "[window]\nduration = 400.0\nsamples = 3\n"
+    path.write_text(re.sub(r"\[window\]\n(?:\w.*\n)+", window, text), encoding="utf-8")
+    done = spincheck("check", str(path))
+    assert done.returncode == 3
+    assert "too-long: no exact motion: no sample but the first is known" in done.stderr
+
+
 def test_a_value_after_the_end_of_the_exact_motion_is_not_compared_with_another_time(tmp_path):
     """The body leaves its table at 0.03 s; the value printed for 0.5 s is that of the start."""
     path = file_of(tmp_path, 3.0, arm=0.05, tilt=60)
@@ -94,7 +106,7 @@ def test_a_value_after_the_end_of_the_exact_motion_is_not_compared_with_another_
     text = text.replace("[1.0, 1.0, 1.0]", "[1.6e-3, 1.6e-3, 8e-4]").replace("t = 1.0", "t = 0.5")
     path.write_text(text.replace("[0.0, 0.0, 3.0]", "[0.0, 16.5, 3.0]"), encoding="utf-8")
     done = spincheck("check", str(path))
-    assert done.returncode == 1
+    assert done.returncode == 3
     assert "3 in 'a book' cannot be compared: the exact motion is not known" in done.stderr
 
 

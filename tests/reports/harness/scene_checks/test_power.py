@@ -28,6 +28,12 @@ def test_a_sleeping_top_cannot_test_gravity() -> None:
     assert "cannot tell whether there is gravity" in sentence
 
 
+def test_a_chaotic_motion_that_is_not_known_until_its_window_ends_is_said_to_be_so() -> None:
+    (sentence,) = powerless(library_scene("chaos-beyond-the-horizon"))
+    assert "it is chaotic, and from t = 34." in sentence
+    assert "before the window ends at 40 s: nothing is compared from there on" in sentence
+
+
 def test_a_chaotic_motion_of_which_no_sample_is_known_is_said_to_be_chaotic() -> None:
     """Of three samples the second is beyond the horizon, and nothing could be compared."""
     scenario = library_scene("chaos-beyond-the-horizon")
