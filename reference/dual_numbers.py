@@ -58,7 +58,7 @@ def _store(table: Dual, row: int, column: int, x: Dual) -> None:
 
 @of_duals(load_double)
 def _load_double(table: Dual, row: int, column: int) -> float:
-    return load_double(table.value, row, column)
+    return float(load_double(table.value, row, column))
 
 
 @of_duals(zero)

@@ -65,7 +65,7 @@ FOLDER = _folder()
 
 #: Numba's options for kernels: they divide by zero as IEEE 754 says, and they count no references
 #: to arrays, so that no kernel can make a new array.
-OPTIONS = {"error_model": "numpy", "_nrt": False}
+OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
 
 
 def kernel(
@@ -82,7 +82,7 @@ def kernel(
     is_inlined : whether the function is inlined into compiled callers
     allocates : whether it makes new arrays, so that references to arrays must be counted
     """
-    options: Any = OPTIONS | {"forceinline": is_inlined, "_nrt": allocates}
+    options = OPTIONS | {"forceinline": is_inlined, "_nrt": allocates}
     if FOLDER is None:
         uncached: Callable[P, T] = njit(**options)(function)
         return uncached
