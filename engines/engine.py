@@ -24,6 +24,7 @@ from .checks.read_back import (
     UnsupportedError,
     differences,
     start_state,
+    stated_body,
 )
 from .checks.shapes import check_shapes
 from .interface import Adapted
@@ -288,8 +289,7 @@ class Engine(Adapted, ABC):
                 if unlike and is_strict:
                     return ended("failed", unlike[0].complaint, "read-back")
                 most_turn = method.max_rotation_per_step
-                rotors = len(scenario.rotors.each)
-                bounds = Bounds(timestep, most_turn, _arm(scenario, body), rotors)
+                bounds = Bounds(timestep, most_turn, _arm(scenario, body))
                 sampled = sample(session, sample_steps, bounds)
                 active, differs = audit(session, scenario, sampled)
         except UnsupportedError as error:
@@ -312,10 +312,9 @@ def read_at_start(session: Session, scenario: Scenario) -> tuple[BodyReading, St
     EngineError
         If they cannot be read, or if their arrays have the wrong shapes.
     """
-    kind, rotors = type(session).__name__, len(scenario.rotors.each)
-    body, state = session.read_body(), session.read_state()
-    check_shapes(body, BodyReading, f"{kind}.read_body", rotors)
-    check_shapes(state, State, f"{kind}.read_state", rotors)
+    kind, body, state = type(session).__name__, session.read_body(), session.read_state()
+    check_shapes(body, stated_body(scenario), f"{kind}.read_body")
+    check_shapes(state, start_state(scenario), f"{kind}.read_state")
     return body, state
 
 

@@ -60,13 +60,13 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     Raises
     ------
     EngineError
-        If states are not of the shapes that they must have.
+        If the arrays of several states do not have the shapes of one state, and a row for each.
     OSError, MemoryError
         If a step raises it, as the machine may be at fault. Any other error that a step raises
         ends the run as failed.
     """
     parts: list[State] = []
-    end = Sampled(NOTHING)
+    end, start = Sampled(NOTHING), session.read_state()
     for first, beyond in _blocks(sample_steps):
         taken = int(sample_steps[first - 1]) if first else 0
         strides = np.diff(sample_steps[first:beyond], prepend=taken)
@@ -76,7 +76,7 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
             with np.errstate(all="ignore"):
                 states = session.states(snapshots)
                 by = f"{type(session).__name__}.states"
-                check_shapes(states, State, by, bounds.rotors, len(snapshots))
+                check_shapes(states, start, by, len(snapshots))
                 end = _checked(session, snapshots, states, end, bounds)
             parts.append(end.states)
         if end.outcome != "ok":

@@ -21,13 +21,11 @@ class Bounds:
     timestep : s
     most_turn : the rotation in a step, rad, beyond which the engine clamps it
     arm : vector from the pivot to the com, m, body axes, (3,); None if there is no pivot
-    rotors : number of rotors
     """
 
     timestep: float
     most_turn: float
     arm: FloatArray | None = None
-    rotors: int = 0
 
 
 def faults(states: State, bounds: Bounds) -> Iterator[Fault]:

@@ -245,6 +245,12 @@ def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
     return ""
 
 
+def stated_body(scenario: Scenario) -> BodyReading:
+    """Return the scene's body as an engine should hold it."""
+    body = scenario.body
+    return BodyReading(body.mass, body.com, body.inertia_com, scenario.rotors.axial_body)
+
+
 def start_state(scenario: Scenario) -> State:
     """Return the scene's start as a state, with com and velocity as the constraint demands."""
     start = scenario.start
@@ -290,11 +296,11 @@ def body_pairs(
     scenario: Scenario, reading: BodyReading
 ) -> Iterator[tuple[str, FloatArray, FloatArray]]:
     """Yield the name, the engine's value and the scene's value of each quantity of the body."""
-    body = scenario.body
+    body = stated_body(scenario)
     yield "mass", np.array(reading.mass), np.array(body.mass)
     yield "com", reading.com, body.com
     yield "inertia_com", reading.inertia_com, body.inertia_com
-    for number, axial in enumerate(scenario.rotors.axial_body, start=1):
+    for number, axial in enumerate(body.axial, start=1):
         yield f"axial moment of rotor {number}", reading.axial[number - 1], axial
 
 

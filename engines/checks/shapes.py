@@ -9,35 +9,29 @@ from .read_back import BodyReading, EngineError, State
 QUOTED = 60
 
 
-def check_shapes(
-    returned: object, wanted: type[BodyReading | State], by: str, rotors: int, rows: int = 0
-) -> None:
-    """Raise `EngineError` if a body or state that an adapter returned is none, or of other shapes.
+def check_shapes(returned: object, like: BodyReading | State, by: str, rows: int = 0) -> None:
+    """Raise `EngineError` if an adapter's body or state is none, or has arrays of other shapes.
 
     Parameters
     ----------
-    returned : what was returned; anything, as others write adapters
-    wanted : the class that it must be of
+    returned : what the adapter returned; anything, as others write adapters
+    like : a body, or one state, of the right shapes
     by : class and method that returned it
-    rotors : number of the scene's rotors
-    rows : number of states; 0 for one state that has no rows
+    rows : number of states that must have been returned; 0 for one state without rows
     """
+    wanted = type(like)
     if not isinstance(returned, wanted):
         got = printable(repr(returned), QUOTED)
         raise EngineError(f"{by} must return a {wanted.__name__}, got {got}", "bug")
     before = (rows,) if rows else ()
-    shapes: dict[str, tuple[int, ...]] = {
-        "com": (3,),
-        "inertia_com": (3, 3),
-        "axial": (rotors, 3),
-        "q_world_body_wxyz": (*before, 4),
-        "omega_body": (*before, 3),
-        "com_world": (*before, 3),
-        "velocity_world": (*before, 3),
-        "spins": (*before, rotors),
+    shapes = {
+        name: (*before, *value.shape)
+        for name, value in vars(like).items()
+        if isinstance(value, np.ndarray)
     }
-    for name, value in vars(returned).items():
+    for name, shape in shapes.items():
+        value = getattr(returned, name)
         got = value.shape if isinstance(value, np.ndarray) else printable(repr(value), QUOTED)
-        if name in shapes and got != shapes[name]:
-            words = f"must be an array of shape {shapes[name]}, got {got}"
+        if got != shape:
+            words = f"must be an array of shape {shape}, got {got}"
             raise EngineError(f"'{name}' of {by} {words}", "bug")

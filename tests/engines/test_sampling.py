@@ -216,7 +216,7 @@ def test_an_engine_that_stops_is_not_stepped_on(kind: type[Turning]) -> None:
 def test_an_engine_with_parts_may_stop_at_any_step() -> None:
     # So far apart that blocks begin among them, of which there is no state then.
     samples = np.arange(0, 2 * FIRST_BLOCK * BLOCK_STEPS, BLOCK_STEPS)
-    bounds = Bounds(TIMESTEP, MOST_TURN, rotors=1)
+    bounds = Bounds(TIMESTEP, MOST_TURN)
     for stops_at in samples[1:]:
         sampled = sample(GaveUpWithASpin(int(stops_at)), samples, bounds)
         assert (sampled.outcome, sampled.reason) == ("failed", "out of memory")

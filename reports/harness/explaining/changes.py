@@ -99,10 +99,11 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
     if e.kept.any():
         yield set_to("no gyroscopic torque of the body", gyroscopic=0 * inertia)
         yield from of_momentum(e)
-        free = scenario.rotors.is_free
-        if free.any():
-            axial = (free[:, None] * scenario.rotors.axial_body).T @ scenario.rotors.axes_body
-            yield set_to("spins left out", gyroscopic=inertia + axial, kept=0 * e.kept)
+        body = scenario.body
+        of_all = np.array(body.inertia_origin if scenario.about == "pivot" else body.inertia_com)
+        # The axial moments of parts on free hinges are left out of the tensor that multiplies ω'.
+        if (of_all != inertia).any():
+            yield set_to("spins left out", gyroscopic=of_all, kept=0 * e.kept)
         yield from factors("gyroscopic, with parts", gyroscopic=inertia, kept=e.kept)
     yield from factors("gyroscopic", sign=-1.0, gyroscopic=inertia)
     for kind, tensors in (
