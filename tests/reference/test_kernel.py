@@ -1,5 +1,7 @@
 """Machine code is cached, compiled ahead for every scene, and anew when a source changes."""
 
+import inspect
+from importlib import import_module
 from pathlib import Path
 
 import numba
@@ -95,3 +97,15 @@ def test_scenes_find_their_kernels_compiled() -> None:
 def test_what_is_not_kept_is_not_said_to_be(monkeypatch, folder: Path | None) -> None:
     monkeypatch.setattr(compiled, "FOLDER", folder)
     assert not compiled.is_compiled()
+
+
+def test_only_kernels_that_make_arrays_count_references_to_them() -> None:
+    """Counting takes longer than all else in a step of an integrator."""
+    counting, making = set(), set()
+    for name in ("flow", "following", "tangent_march", "taylor_march", "theta_kernel"):
+        for one in vars(import_module(f"spincheck.reference.{name}")).values():
+            if options := getattr(one, "targetoptions", None):
+                counting |= {one.py_func} if options["_nrt"] else set()
+                making |= {one.py_func} if "np.empty(" in inspect.getsource(one.py_func) else set()
+    assert len(counting) == 5
+    assert counting == making
