@@ -162,7 +162,7 @@ class MuJoCoSession(CoordinateSession):
     def active(self) -> frozenset[str]:
         """Return what acts on the body, as model, data and callbacks of the process tell.
 
-        "clock" is among it if MuJoCo reads a clock in the steps of this session.
+        "clock" is among it if MuJoCo reads a clock while it steps.
         """
         clock.hang(self._clock)
         names_acting = acting(self.model, self.data, self._scenario)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import ParamSpec, TypeVar, final
 
 from .executor import Answer, CallFailed, Executor, ExecutorStopped
-from .worker_main import cause_of
+from .worker_main import cause_of, error_in_words
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -31,9 +31,7 @@ class InProcess(Executor):
         try:
             return Answer(function(*args, **kwargs))
         except (Exception, SystemExit) as error:
-            return Answer(
-                CallFailed(f"{type(error).__name__}: {error}".removesuffix(": "), cause_of(error))
-            )
+            return Answer(CallFailed(error_in_words(error), cause_of(error)))
 
     def alone(self) -> Executor:
         """Return the executor itself, as it makes one call at a time."""

@@ -100,9 +100,12 @@ def _answer(request: bytes) -> bytes:
         return pickle.dumps((True, call(), ""))
     # `sys.exit` in a call is a failure of the call, not the end of the worker.
     except (Exception, SystemExit) as error:
-        return pickle.dumps(
-            (False, f"{type(error).__name__}: {error}".removesuffix(": "), cause_of(error))
-        )
+        return pickle.dumps((False, error_in_words(error), cause_of(error)))
+
+
+def error_in_words(error: BaseException) -> str:
+    """Return the class of an error and its message; the class alone if there is no message."""
+    return f"{type(error).__name__}: {error}".removesuffix(": ")
 
 
 def cause_of(error: BaseException) -> "Cause":

@@ -14,6 +14,7 @@ from ....engines.checks.read_back import stacked
 from ....engines.derivative import Derivative
 from ....reference import IntegrationError
 from ....scenarios import FloatArray
+from ..executors.worker_main import error_in_words
 from ..measuring.examine import SETTLING, gives_way
 from ..measuring.places import FINER, Places
 from ..measuring.steps import FEW, Sessions, state_differences, steps_from
@@ -377,8 +378,7 @@ def _raised(error: Exception) -> Judged:
     if isinstance(error, EngineError):
         is_unsupported = isinstance(error, UnsupportedError)
         return Judged("unsupported" if is_unsupported else "failed", str(error))
-    said = shorten(f"{type(error).__name__}: {error}", SAID, placeholder=" …")
-    return Judged("failed", said.removesuffix(": "))
+    return Judged("failed", shorten(error_in_words(error), SAID, placeholder=" …"))
 
 
 def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:
