@@ -11,6 +11,7 @@ from contextlib import suppress
 import numpy as np
 
 from ..scenarios import Scenario, loads
+from .deviations import apart
 from .flow import flow
 from .following import follow, rates
 from .kernel import FOLDER
@@ -59,7 +60,7 @@ def compile_flow() -> None:
         flow(scenario, exact, np.zeros(len(exact.t)))
         states = np.hstack([exact.q_world_body_wxyz, exact.omega_body])
         equations = equations_of(scenario)
-        follow(equations, states, np.zeros((len(states), 1)))
+        apart(follow(equations, states, np.zeros((len(states), 1)))[:, 0], states)
         rates(equations, states, np.zeros((len(states), 3)))
 
 

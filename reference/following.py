@@ -5,7 +5,6 @@ All numbers are plain doubles. If the equations are a scene's, the integrator `E
 """
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -105,12 +104,11 @@ def follow(
     exceeds `fastest`
     """
     of_method = integrator, np.full(1, timestep), fastest
-    (ends,) = follow_each([equations], states[None], spans[None], *of_method)
-    return np.asarray(ends)
+    return np.asarray(follow_each(equations, states[None], spans[None], *of_method)[0])
 
 
 def follow_each(
-    equations: Sequence[OtherEquations],
+    equations: OtherEquations,
     states: FloatArray,
     spans: FloatArray,
     integrator: Integrator = EXACT,
@@ -157,7 +155,7 @@ def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> Fl
     (S, 6), along body axes: the angular velocity at which the attitude turns, rad/s, and ω', rad/s²
     """
     made = np.empty((len(states), 6))
-    _fill_rates(all_numbers([equations])[0], states, kept, made)
+    _fill_rates(all_numbers(equations)[0], states, kept, made)
     return made
 
 

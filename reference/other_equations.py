@@ -4,11 +4,12 @@ They differ from a scene's in another inertia tensor, in a gyroscopic torque ω 
 is not the one in I ω', or in the relation between ω and the attitude.
 """
 
-from typing import NamedTuple
+from typing import Self
 
 import numpy as np
 
 from ..scenarios import FloatArray, Scenario
+from .rows import Entry, Rows
 
 #: How q' follows from q and ω. `BODY` is right: q' = ½ q (0, ω) with ω along body axes. `WORLD` is
 #: q' = ½ (0, ω) q with the same components, as if they were along world axes. `KEPT_IN_WORLD` is
@@ -23,8 +24,10 @@ FIRST_ANGLES = 3
 TURNED_BACK, TURNED_ON, UNTURNED, TORQUE_UNTURNED = 0, 1, 2, 3
 
 
-class OtherEquations(NamedTuple):
-    """Numbers of equations of motion, SI; `torque` is in body axes unless its name says otherwise.
+class OtherEquations(Rows):
+    """Numbers of one or several sets of equations of motion, SI.
+
+    Torques are along body axes unless their names say otherwise.
 
     I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world
     − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω + Σᵢ P eᵢ × Rᵀ eᵢ
@@ -58,78 +61,74 @@ class OtherEquations(NamedTuple):
         Rᵀ I⁻¹ R L in place of the correct R I⁻¹ Rᵀ L
     kinematics : `BODY`, `WORLD`, `KEPT_IN_WORLD`, or the number of a convention of Euler angles
     rate : fastest rate, besides ‖ω‖, at which the state may change, rad/s
+    has_torque_of_attitude : 1 if `attitude_torque`, `spring` or `gravity_gradient` is not zero,
+        else 0; set by `all_numbers`
     """
 
-    inertia: FloatArray
-    inverse: FloatArray
-    gyroscopic: FloatArray
-    turning: FloatArray
-    kept: FloatArray
-    gravity_world: FloatArray
-    pull: FloatArray
-    torque: FloatArray
-    torque_world: FloatArray
-    slowing: FloatArray
-    damping: FloatArray
-    friction: FloatArray
-    turned_drag: FloatArray
-    attitude_torque: FloatArray
-    spring: FloatArray
-    gravity_gradient: FloatArray
-    body_turns: FloatArray
-    world_turns: FloatArray
-    world_vectors: int
-    lever: FloatArray
-    mobility: float
-    tensor_turns: int
-    kinematics: int
-    rate: float
+    inertia = Entry(3, 3)
+    inverse = Entry(3, 3)
+    gyroscopic = Entry(3, 3)
+    turning = Entry(3, 3)
+    kept = Entry(3)
+    gravity_world = Entry(3)
+    pull = Entry(3)
+    torque = Entry(3)
+    torque_world = Entry(3)
+    slowing = Entry(3)
+    damping = Entry(3)
+    friction = Entry(2)
+    turned_drag = Entry(2)
+    attitude_torque = Entry(3, 3)
+    spring = Entry(3, 3)
+    gravity_gradient = Entry(3, 3)
+    body_turns = Entry(3)
+    world_turns = Entry(3)
+    world_vectors = Entry()
+    lever = Entry(3)
+    mobility = Entry()
+    tensor_turns = Entry()
+    kinematics = Entry()
+    rate = Entry()
+    has_torque_of_attitude = Entry()
 
-    def with_inertia(self, inertia: FloatArray) -> "OtherEquations":
-        """Return the equations with another tensor for both I and G, kg m², (3, 3).
+    def with_inertia(self, inertia: FloatArray) -> Self:
+        """Return the equations with another tensor for both I and G, kg m², (..., 3, 3).
 
         Its inverse is nan if the tensor is singular.
         """
-        return self._replace(inertia=inertia, inverse=inverse(inertia), gyroscopic=inertia.copy())
+        return self.of(inertia=inertia, inverse=inverse(inertia), gyroscopic=inertia)
 
 
-def inverse(matrix: FloatArray) -> FloatArray:
-    """Return the inverse of a matrix, (n, n); all nan if the matrix is singular."""
+def inverse(matrices: FloatArray) -> FloatArray:
+    """Return the inverses of matrices, (..., n, n); all nan for those that are singular."""
     try:
-        return np.asarray(np.linalg.inv(matrix), dtype=float)
+        return np.asarray(np.linalg.inv(matrices), dtype=float)
     except np.linalg.LinAlgError:
-        return np.full_like(matrix, np.nan)
+        if matrices.ndim > 2:
+            return np.stack([inverse(one) for one in matrices])
+        return np.full_like(matrices, np.nan)
 
 
 def equations_of(scenario: Scenario) -> OtherEquations:
     """Return a scene's own equations of motion, in the form of `OtherEquations`."""
     constraint, pushed = scenario.constraint, scenario.pushed
     inertia = np.array(scenario.inertia)
-    is_on_table = scenario.answer is not None
-    lever = np.array(constraint.lever)
-    return OtherEquations(
-        inertia,
-        inverse(inertia),
-        inertia.copy(),
-        np.eye(3),
-        np.array(scenario.kept_body(scenario.kept_at_start)),
-        np.array(scenario.gravity_world),
-        scenario.body.mass * lever if constraint.is_pivot else np.zeros(3),
-        np.array(pushed["torque_body"], dtype=float),
-        np.array(pushed["torque_world"], dtype=float),
-        np.array([pushed["drag"], 0.0, 0.0], dtype=float),
-        damping=np.zeros(3),
-        friction=np.zeros(2),
-        turned_drag=np.zeros(2),
-        attitude_torque=np.zeros((3, 3)),
-        spring=np.zeros((3, 3)),
-        gravity_gradient=np.zeros((3, 3)),
-        body_turns=np.zeros(3),
-        world_turns=np.zeros(3),
+    return OtherEquations(np.zeros(OtherEquations.count)).of(
+        inertia=inertia,
+        inverse=inverse(inertia),
+        gyroscopic=inertia,
+        turning=np.eye(3),
+        kept=scenario.kept_body(scenario.kept_at_start),
+        gravity_world=scenario.gravity_world,
+        pull=scenario.body.mass * np.array(constraint.lever)
+        if constraint.is_pivot
+        else np.zeros(3),
+        torque=pushed["torque_body"],
+        torque_world=pushed["torque_world"],
+        slowing=[pushed["drag"], 0.0, 0.0],
         world_vectors=TURNED_BACK,
-        lever=lever,
-        mobility=1 / scenario.body.mass if is_on_table else 0.0,
-        tensor_turns=0,
+        lever=constraint.lever,
+        mobility=1 / scenario.body.mass if scenario.answer is not None else 0.0,
         kinematics=BODY,
-        rate=float(max((one.rate(scenario) for one in scenario.acting), default=0.0)),
+        rate=max((one.rate(scenario) for one in scenario.acting), default=0.0),
     )

@@ -6,8 +6,6 @@ as what the function computes. R is the rotation matrix of the attitude, body to
 """
 
 import math
-from collections.abc import Sequence
-from itertools import chain
 
 import numpy as np
 
@@ -27,57 +25,40 @@ Vector = tuple[float, float, float]
 #: A 3 × 3 matrix, row by row.
 Matrix = tuple[float, float, float, float, float, float, float, float, float]
 
-#: How many numbers each attribute has that is not a single one or a vector.
-_COUNTS = {
-    **dict.fromkeys(("inertia", "inverse", "gyroscopic", "turning"), 9),
-    **dict.fromkeys(("attitude_torque", "spring", "gravity_gradient"), 9),
-    **dict.fromkeys(("friction", "turned_drag"), 2),
-    **dict.fromkeys(("world_vectors", "mobility", "tensor_turns", "kinematics", "rate"), 1),
-}
-_PLACES = np.cumsum([0, *(_COUNTS.get(name, 3) for name in OtherEquations._fields)])
-#: Where each attribute of `OtherEquations` begins in the array of all numbers; at its end, whether
-#: there are the torques of `_of_attitude`, which would be costly to find out in each step.
-(
-    INERTIA,
-    INVERSE,
-    GYROSCOPIC,
-    TURNING,
-    KEPT,
-    GRAVITY_WORLD,
-    PULL,
-    TORQUE,
-    TORQUE_WORLD,
-    SLOWING,
-    DAMPING,
-    FRICTION,
-    TURNED_DRAG,
-    ATTITUDE_TORQUE,
-    SPRING,
-    GRAVITY_GRADIENT,
-    BODY_TURNS,
-    WORLD_TURNS,
-    WORLD_VECTORS,
-    LEVER,
-    MOBILITY,
-    TENSOR_TURNS,
-    KINEMATICS,
-    RATE,
-    HAS_TORQUE_OF_ATTITUDE,
-) = map(int, _PLACES)
+#: Where each entry of `OtherEquations` begins in a row of all numbers.
+INERTIA = OtherEquations.inertia.first
+INVERSE = OtherEquations.inverse.first
+GYROSCOPIC = OtherEquations.gyroscopic.first
+TURNING = OtherEquations.turning.first
+KEPT = OtherEquations.kept.first
+GRAVITY_WORLD = OtherEquations.gravity_world.first
+PULL = OtherEquations.pull.first
+TORQUE = OtherEquations.torque.first
+TORQUE_WORLD = OtherEquations.torque_world.first
+SLOWING = OtherEquations.slowing.first
+DAMPING = OtherEquations.damping.first
+FRICTION = OtherEquations.friction.first
+TURNED_DRAG = OtherEquations.turned_drag.first
+ATTITUDE_TORQUE = OtherEquations.attitude_torque.first
+SPRING = OtherEquations.spring.first
+GRAVITY_GRADIENT = OtherEquations.gravity_gradient.first
+BODY_TURNS = OtherEquations.body_turns.first
+WORLD_TURNS = OtherEquations.world_turns.first
+WORLD_VECTORS = OtherEquations.world_vectors.first
+LEVER = OtherEquations.lever.first
+MOBILITY = OtherEquations.mobility.first
+TENSOR_TURNS = OtherEquations.tensor_turns.first
+KINEMATICS = OtherEquations.kinematics.first
+RATE = OtherEquations.rate.first
+HAS_TORQUE_OF_ATTITUDE = OtherEquations.has_torque_of_attitude.first
 
 
-def all_numbers(equations: Sequence[OtherEquations]) -> FloatArray:
-    """Return all numbers of E sets of equations of motion, attribute by attribute, (E, n).
+def all_numbers(equations: OtherEquations) -> FloatArray:
+    """Return all numbers of E sets of equations of motion, (E, n), as kernels take them.
 
-    Matrices are written row by row. The last number is 1 if `attitude_torque`, `spring` or
-    `gravity_gradient` is not zero, else 0.
+    `has_torque_of_attitude` is set in them, as it would be costly to find out in each step.
     """
-    # Attributes that several sets share are converted once. With `join` it takes a tenth of the
-    # time of `concatenate`, for so many short arrays.
-    shared = {id(one): one for each in equations for one in each}
-    as_bytes = {key: np.asarray(one, float).tobytes() for key, one in shared.items()}
-    rows = ([*(as_bytes[id(one)] for one in each), bytes(8)] for each in equations)
-    numbers = np.frombuffer(bytearray().join(chain(*rows))).reshape(len(equations), -1)
+    numbers = np.array(np.atleast_2d(equations.numbers), order="C")
     # Attitude torque, spring and gravity gradient follow on each other.
     numbers[:, HAS_TORQUE_OF_ATTITUDE] = numbers[:, ATTITUDE_TORQUE:BODY_TURNS].any(axis=1)
     return numbers

@@ -263,7 +263,9 @@ def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatA
         orders.double_double,
         series,
     )
-    clock, (states, tangents) = np.zeros(2), np.zeros((2, len(times), STATE))
+    # A copy: kernels are compiled anew for arrays that cannot be written.
+    clock, times = np.zeros(2), times.copy()
+    states, tangents = np.zeros((2, len(times), STATE))
     sample, steps, outcome = 0, 0, PAUSED
     while outcome == PAUSED and steps < MAX_STEPS:
         outcome, sample = march_with_tangent(

@@ -126,7 +126,8 @@ def integrate_double_double(
 
     Parameters and errors raised are those of `integrate`.
     """
-    times = np.ascontiguousarray(times, dtype=float)
+    # A copy: kernels are compiled anew for arrays that cannot be written.
+    times = np.array(times, dtype=float)
     if not (np.isfinite(times).all() and (times >= 0).all() and (np.diff(times) >= 0).all()):
         raise ValueError("'times' must be finite, not negative and not decreasing.")
     states = np.zeros((len(times), STATE)), np.zeros((len(times), STATE))

@@ -62,7 +62,8 @@ class ClosedForm:
         -------
         q_world_axes (n, 4), w x y z, continuous in t, and omega_axes (n, 3), rad/s
         """
-        times = np.ascontiguousarray(t, dtype=float)
+        # A copy: kernels are compiled anew for arrays that cannot be written.
+        times = np.array(t, dtype=float)
         q_world_axes, omega_axes = np.empty((len(times), 4)), np.empty((len(times), 3))
         evaluate(self.tables, times, q_world_axes, omega_axes)
         return q_world_axes, omega_axes

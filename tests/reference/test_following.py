@@ -69,7 +69,7 @@ def test_by_a_scenes_equations_a_state_goes_where_the_exact_motion_does(name: st
     assert np.abs((made - exact) / size).max() < known
     if equations.slowing.any() or equations.torque.any() or equations.kept.any():
         zero = np.zeros(3)
-        without = equations._replace(slowing=zero, torque=zero, torque_world=zero, kept=zero)
+        without = equations.of(slowing=zero, torque=zero, torque_world=zero, kept=zero)
         other = follow(without, exact[:1], spans)[0]
         assert np.abs((other - exact) / size).max() > known
 
@@ -121,7 +121,7 @@ def test_a_motion_is_not_followed_once_it_is_too_fast(integrator: Integrator) ->
 @each_case("integrator", [EXACT, *KNOWN])
 def test_no_state_is_infinite(integrator: Integrator) -> None:
     dragged = equations_of(library_scene("book-with-drag"))
-    speeding = dragged._replace(slowing=-dragged.slowing)
+    speeding = dragged.of(slowing=-dragged.slowing)
     start = np.array([[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e150]])
     for span in 10.0 ** np.arange(-160, 300, 20):
         (made,) = follow(speeding, start, np.array([[span]]), integrator, span)

@@ -11,20 +11,27 @@ from small_disks import small_disk
 from spincheck.reference import compiled, solve
 from spincheck.reference import kernel as kernel_module
 from spincheck.reference.kernel import digest_of_kernels, kernel
+from spincheck.reference.taylor_march import march
+from spincheck.reference.theta_kernel import evaluate
 
 KERNELS = "from .kernel import kernel\n"
 CALLERS = "from .doubledouble import dd_add\n"
+PLACES = "from .rows import Entry\n"
 
 
 @pytest.fixture
 def package(tmp_path: Path) -> Path:
     (tmp_path / "arithmetic.py").write_text(KERNELS)
     (tmp_path / "callers.py").write_text(CALLERS)
+    (tmp_path / "places.py").write_text(PLACES)
     (tmp_path / "other.py").write_text("import math\n")
     return tmp_path
 
 
-@pytest.mark.parametrize(("name", "text"), [("arithmetic.py", KERNELS), ("callers.py", CALLERS)])
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("arithmetic.py", KERNELS), ("callers.py", CALLERS), ("places.py", PLACES)],
+)
 def test_a_change_of_any_kernel_file_changes_the_digest(
     package: Path, name: str, text: str
 ) -> None:
@@ -91,6 +98,17 @@ def test_scenes_find_their_kernels_compiled() -> None:
         scenario = library_scene(name)
         solve(scenario, scenario.times[:3])
     assert machine_code() == before
+
+
+@pytest.mark.parametrize("name", ["hammer", "kovalevskaya"])
+def test_times_that_can_be_written_and_others_are_of_one_type_to_kernels(name: str) -> None:
+    """Those of a scene cannot be written, and those of a recording can: each type is compiled."""
+    times = library_scene(name).times[:3]
+    assert not times.flags.writeable
+    solve(library_scene(name), times)
+    before = [list(one.signatures) for one in (march, evaluate)]
+    solve(library_scene(name), times.copy())
+    assert [list(one.signatures) for one in (march, evaluate)] == before
 
 
 @pytest.mark.parametrize("folder", [None, Path("nowhere")])

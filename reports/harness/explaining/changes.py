@@ -13,18 +13,24 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ....reference.other_equations import FIRST_ANGLES, WORLD, OtherEquations, inverse
+from ....reference.other_equations import (
+    FIRST_ANGLES,
+    WORLD,
+    OtherEquations,
+    equations_of,
+    inverse,
+)
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import matrix
 from ...results.change_words import UP_TO_A_FACTOR
 from .effect_changes import com, lever, mean_moment, of_effects, of_momentum
-from .hypothesis import Change, Hypothesis, as_it_is, factors, fitted, set_to
+from .hypothesis import Change, Hypothesis, factors, fitted, set_to
 from .other_tensors import (
     about_conjugated_axes,
     is_of_a_body,
     other_tensors,
     tensor_entries,
-    tensor_of_entries,
+    tensors_of_entries,
     with_products,
     without_rotation,
 )
@@ -46,16 +52,16 @@ OTHER_COMPONENTS = [
 
 def changes(scenario: Scenario) -> Iterator[Change]:
     """All changes of a scene's equations of motion, the more specific ones first."""
-    base = as_it_is(scenario)
+    equations = equations_of(scenario)
     yield from _of_kinematics()
-    yield from _of_gyroscopic_torque(scenario, base.equations)
+    yield from _of_gyroscopic_torque(scenario, equations)
     # Changes of effects come before other tensors: a tensor so large that drag or a torque hardly
     # acts on the body explains the same motion.
-    yield from of_effects(scenario, base.equations)
+    yield from of_effects(scenario, equations)
     for kind, numbers, tensor in other_tensors(scenario):
         yield set_to(kind, numbers, **_body(tensor))
-    yield set_to("inverse for the tensor", **_body(base.equations.inverse))
-    yield from _of_fitted_tensors(scenario, base.equations)
+    yield set_to("inverse for the tensor", **_body(equations.inverse))
+    yield from _of_fitted_tensors(scenario, equations)
 
 
 def _body(tensor: FloatArray) -> dict[str, Any]:
@@ -82,7 +88,7 @@ def _of_kinematics() -> Iterator[Change]:
     yield fitted(
         "turning by a matrix",
         *(np.eye(3).ravel(), 1.0),
-        lambda h, n: h.of(turning=n.reshape(3, 3)),
+        lambda h, n: h.of(turning=n.reshape(-1, 3, 3)),
     )
 
 
@@ -130,7 +136,7 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         "gyroscopic tensor",
         inertia,
         lambda h, G: h.of(gyroscopic=G),
-        lambda h, _: is_of_a_body(h.equations.gyroscopic),
+        lambda h, _: is_of_a_body(h.gyroscopic),
     )
 
 
@@ -151,17 +157,17 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
 
 def has_tensor(h: Hypothesis, _: FloatArray) -> bool:
     """Whether the tensor of inertia of a hypothesis is that of a rigid body."""
-    return is_of_a_body(h.equations.inertia)
+    return is_of_a_body(h.inertia)
 
 
 def _with_moments(axes: FloatArray, h: Hypothesis, moments: FloatArray) -> Hypothesis:
-    """Return a hypothesis with given principal moments, kg m², (3,), about given axes, (3, 3)."""
-    return h.of_tensor((axes * moments) @ axes.T)
+    """Return H hypotheses with principal moments, kg m², (H, 3), about given axes, (3, 3)."""
+    return h.with_inertia((axes * moments[:, None]) @ axes.T)
 
 
 def _scaled_tensor(h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """Return a hypothesis with the tensor of inertia times 1 + n[0]."""
-    return h.of_tensor((1 + n[0]) * h.equations.inertia)
+    """Return H hypotheses with the tensors of inertia times 1 + n, (H, 1)."""
+    return h.with_inertia((1 + n[:, :, None]) * h.inertia)
 
 
 def _with_entry(e: OtherEquations, at: int) -> Change:
@@ -169,7 +175,7 @@ def _with_entry(e: OtherEquations, at: int) -> Change:
     entries, unit = tensor_entries(e.inertia), np.eye(6)[at]
 
     def changed(h: Hypothesis, n: FloatArray) -> Hypothesis:
-        return h.of_tensor(tensor_of_entries(entries + n[0] * unit))
+        return h.with_inertia(tensors_of_entries(entries + n * unit))
 
     return Change(
         "entry", changed, np.array([mean_moment(e)]), lambda n: (at, entries[at] + n[0], n[0])
@@ -177,21 +183,21 @@ def _with_entry(e: OtherEquations, at: int) -> Change:
 
 
 def _rotated_tensor(h: Hypothesis, turn: FloatArray) -> Hypothesis:
-    """Return a hypothesis with the tensor turned by a rotation vector, rad, (3,)."""
+    """Return H hypotheses with the tensors turned by rotation vectors, rad, (H, 3)."""
     R = Rotation.from_rotvec(turn).as_matrix()
-    return h.of_tensor(R @ h.equations.inertia @ R.T)
+    return h.with_inertia(R @ h.inertia @ np.swapaxes(R, 1, 2))
 
 
 def tensor(e: OtherEquations) -> Change:
     """The change that fits the whole tensor, with a fixed trace if no torque shows its scale."""
     if not is_scaled(e):
-        of_body = Hypothesis.of_tensor, has_tensor
+        of_body = Hypothesis.with_inertia, has_tensor
         return _with_trace(f"tensor{UP_TO_A_FACTOR}", e.inertia, *of_body)
     entries = tensor_entries(e.inertia)
     return fitted(
         "tensor",
         *(entries, mean_moment(e)),
-        lambda h, n: h.of_tensor(tensor_of_entries(n)),
+        lambda h, n: h.with_inertia(tensors_of_entries(n)),
         has_tensor,
     )
 
@@ -207,18 +213,19 @@ def _with_trace(
     Parameters
     ----------
     nominal : the tensor without the change, kg m², (3, 3)
-    apply : puts the changed tensor into a hypothesis
+    apply : puts changed tensors, (H, 3, 3), into H hypotheses
     kind, is_possible : as in `Change`
     """
     entries = tensor_entries(nominal)
 
     def changed(n: FloatArray) -> FloatArray:
-        return np.asarray(entries + np.array([-n[0] - n[1], *n]))
+        of_xx = -n[..., :2].sum(axis=-1, keepdims=True)
+        return np.asarray(entries + np.concatenate([of_xx, n], axis=-1))
 
     sizes = np.full(5, float(np.trace(nominal)) / 3)
 
     def with_tensor(h: Hypothesis, n: FloatArray) -> Hypothesis:
-        return apply(h, tensor_of_entries(changed(n)))
+        return apply(h, tensors_of_entries(changed(n)))
 
     return Change(kind, with_tensor, sizes, changed, is_possible)
 

@@ -1,6 +1,6 @@
 """Changes of what acts on a body: gravity, drag, torques, rotors, the centre of mass."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -17,6 +17,8 @@ from .hypothesis import Change, Hypothesis, factors, fitted, set_to
 
 #: Largest absolute value of the power of ‖ω‖ in a drag's coefficient.
 POWER = 4.0
+#: The names of the numbers of `OtherEquations.slowing`.
+SLOWING = "c", "a", "b"
 
 
 def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
@@ -77,18 +79,18 @@ def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
     rate : scale of the fitted rate, 1/s
     """
     none = np.zeros(2)
-    yield fitted("decay", none[:1], rate, lambda h, n: _with_drag(h, 0.0, n[0]))
+    yield fitted("decay", none[:1], rate, partial(_with_drag, "a"))
     if e.slowing[0]:
         yield fitted(
             "decay for drag",
             *(none[:1], rate),
-            lambda h, n: h.of(slowing=np.array([0.0, n[0], 0.0])),
+            lambda h, n: h.of(slowing=n * np.eye(3)[1]),
         )
     # In a damping at the rate a + b ‖ω‖, a and b have the same sign.
     yield fitted(
         "decays",
         *(none, np.array([rate, 1.0])),
-        lambda h, n: _with_drag(h, 0.0, *n),
+        partial(_with_drag, "ab"),
         lambda _, n: float(np.prod(n)) >= 0,
     )
 
@@ -103,9 +105,10 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
     c, rate = e.slowing[0], usual_rate(scenario, e)
 
     def friction(n: FloatArray) -> FloatArray:
-        """Return f and p; at ‖ω‖ = `rate` the drag is (c + n[0]) ω, with the scene's c."""
-        p = float(np.clip(n[1], -POWER, POWER)) if power is None else power
-        return np.array([(c + n[0]) * rate**-p, p])
+        """Return f and p, (..., 2); at ‖ω‖ = `rate` the drag is (c + n[0]) ω, of the scene's c."""
+        added = n[..., 0]
+        p = np.clip(n[..., 1], -POWER, POWER) if power is None else np.full_like(added, power)
+        return np.stack([(c + added) * rate**-p, p], axis=-1)
 
     return Change(
         "drag's law",
@@ -130,13 +133,18 @@ def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _with_torque(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
-    """Return a hypothesis with a torque, N m, (3,), added to the term `name` of its equations."""
-    return h.of(**{name: getattr(h.equations, name) + torque})
+    """Return H hypotheses with torques, N m, (H, 3), added to the term `name`."""
+    return h.of(**{name: getattr(h, name) + torque})
 
 
-def _with_drag(h: Hypothesis, c: float, a: float = 0.0, b: float = 0.0) -> Hypothesis:
-    """Return a hypothesis with c, a and b added to `OtherEquations.slowing`."""
-    return h.of(slowing=h.equations.slowing + np.array([c, a, b]))
+def _with_drag(names: Sequence[str], h: Hypothesis, n: FloatArray) -> Hypothesis:
+    """Return H hypotheses with numbers, (H, k), added to the k of `OtherEquations.slowing` named.
+
+    Parameters
+    ----------
+    names : of c, a and b
+    """
+    return h.of(slowing=h.slowing + n @ np.eye(3)[[SLOWING.index(name) for name in names]])
 
 
 def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
@@ -145,7 +153,7 @@ def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         yield from factors("resistance's size", 0.0, -1.0, slowing=e.slowing)
         return
     size = mean_moment(e) * usual_rate(scenario, e)
-    yield fitted("resistance", np.zeros(1), size, lambda h, n: _with_drag(h, n[0]))
+    yield fitted("resistance", np.zeros(1), size, partial(_with_drag, "c"))
 
 
 def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
@@ -157,10 +165,16 @@ def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
         place, mass = np.array(scenario.body.com), scenario.body.mass
 
         def moved(h: Hypothesis, com: FloatArray) -> Hypothesis:
-            here, there = (mass * (r @ r * np.eye(3) - np.outer(r, r)) for r in (place, com))
-            return h.of_tensor(e.inertia - here + there).of(pull=mass * com)
+            here, there = (mass * _of_parallel_axes(r) for r in (place, com))
+            return h.with_inertia(e.inertia - here + there).of(pull=mass * com)
 
         yield fitted("com", place, float(np.linalg.norm(place)) or 1.0, moved)
+
+
+def _of_parallel_axes(r: FloatArray) -> FloatArray:
+    """Return r² 1 − r rᵀ, m², (..., 3, 3), of vectors r, m, (..., 3)."""
+    squares = np.sum(r**2, axis=-1)[..., None, None]
+    return np.asarray(squares * np.eye(3) - r[..., :, None] * r[..., None, :])
 
 
 def lever(e: OtherEquations) -> Iterator[Change]:
@@ -194,4 +208,4 @@ def usual_rate(scenario: Scenario, e: OtherEquations) -> float:
 
     It is `OtherEquations.rate`, or ‖ω‖ at the scene's start if that is 0, or 1 if both are 0.
     """
-    return e.rate or float(np.linalg.norm(scenario.start.omega_body)) or 1.0
+    return float(e.rate) or float(np.linalg.norm(scenario.start.omega_body)) or 1.0

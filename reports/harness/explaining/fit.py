@@ -46,7 +46,7 @@ class Data(ABC):
     base: Hypothesis
 
     @abstractmethod
-    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
+    def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """The residuals of H hypotheses; nan where a hypothesis leads to no finite motion.
 
         Returns
@@ -54,12 +54,12 @@ class Data(ABC):
         (H, ...), of any shape beyond the first axis
         """
 
-    def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:  # noqa: ARG002
-        """The deviations of p numbers of a hypothesis from their prior means, (p,).
+    def prior_residuals(self, hypotheses: Hypothesis) -> FloatArray:
+        """The deviations of p numbers of H hypotheses from their prior means, (H, p).
 
         They are in units of the prior standard deviations; empty if there is no prior.
         """
-        return np.empty(0)
+        return np.empty((len(hypotheses), 0))
 
     @property
     def correlated(self) -> float:
@@ -72,10 +72,14 @@ class Data(ABC):
         return (self,)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """The decrease of χ² from the residuals before a change to those after it."""
-        return float(np.sum(before**2) - np.sum(after**2)) / self.correlated
+        """The decrease of χ² from the residuals before a change, (m,), to those after it, (m,)."""
+        return float(self.chi2_decreases(before, after[None])[0])
 
-    def residuals(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
+    def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:
+        """The decreases of χ² from the residuals before M changes, (m,), to those after, (M, m)."""
+        return np.asarray(np.sum(before**2) - np.sum(after**2, axis=1)) / self.correlated
+
+    def residuals(self, hypotheses: Hypothesis) -> FloatArray:
         """The residuals of H hypotheses, all of them finite, (H, m)."""
         finite = np.nan_to_num(self.deviations(hypotheses), nan=NOT_FINITE)
         return np.clip(finite, -NOT_FINITE, NOT_FINITE).reshape(len(hypotheses), -1)
@@ -87,7 +91,7 @@ class Fit:
 
     Attributes
     ----------
-    hypothesis : the result of the changes with these parameters
+    hypothesis : the result of the changes with these parameters, one hypothesis
     parameters : the parameters of all changes, in the order of these, not scaled, (k,)
     covariance : covariance of the parameters given the data and the prior, (k, k); it is right only
         if the residuals are noise
@@ -126,7 +130,7 @@ class Fit:
         The tensor of inertia must be positive definite, though a mistake may lead to one that no
         rigid body has. Each change states what else is required (`Change.is_possible`).
         """
-        if not np.linalg.eigvalsh(self.hypothesis.equations.inertia)[0] > 0:
+        if not np.linalg.eigvalsh(self.hypothesis.inertia)[0] > 0:
             return False
         parameters = map(self.parameters_of, self.changes)
         each = zip(self.changes, parameters, strict=True)
@@ -181,18 +185,18 @@ class Trial:
         """The scales of all parameters, (k,)."""
         return np.concatenate([np.empty(0), *(change.scales for change in self.changes)])
 
-    def hypothesis(self, x: FloatArray) -> Hypothesis:
-        """The hypothesis that all changes make of `data.base`, with scaled parameters x, (k,)."""
-        hypothesis, at = self.data.base, 0
+    def hypotheses(self, x: FloatArray) -> Hypothesis:
+        """The hypotheses that all changes make of `data.base`, with scaled parameters x, (H, k)."""
+        hypotheses, parameters, at = self.data.base.repeated(len(x)), self.scales * x, 0
         for change in self.changes:
             end = at + len(change.scales)
-            hypothesis = change.apply(hypothesis, self.scales[at:end] * x[at:end])
+            hypotheses = change.apply(hypotheses, parameters[:, at:end])
             at = end
-        return hypothesis
+        return hypotheses
 
     def at(self, before: Fit) -> Hypothesis:
         """The hypothesis with the parameters of a fit of some of the changes, the others zero."""
-        return self.hypothesis(self._start(before))
+        return self.hypotheses(self._start(before)[None])[0]
 
     def _start(self, before: Fit) -> FloatArray:
         """The scaled parameters of a fit of some of the changes; zeros for the others, (k,)."""
@@ -234,8 +238,8 @@ class Trial:
             """The residuals and prior residuals, (m + p,), and their Jacobian."""
             x = np.frombuffer(parameters)
             steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
-            hypotheses = [self.hypothesis(one) for one in np.vstack([x, x + np.diag(steps)])]
-            prior = np.stack([self.data.prior_residuals(one) for one in hypotheses])
+            hypotheses = self.hypotheses(np.vstack([x, x + np.diag(steps)]))
+            prior = self.data.prior_residuals(hypotheses)
             residuals = np.hstack([self.data.residuals(hypotheses), prior])
             return residuals[0], (residuals[1:] - residuals[0]).T / steps
 
@@ -250,13 +254,14 @@ class Trial:
     def _fit_from(self, x: FloatArray, evaluations: int = EVALUATIONS) -> Fit:
         """Fit the parameters to all data, starting from scaled parameters x, (k,)."""
         if not len(x):
-            (residuals,) = self.data.residuals([self.hypothesis(x)])
+            hypotheses = self.hypotheses(x[None])
+            (residuals,) = self.data.residuals(hypotheses)
             none = np.empty((0, 0)), residuals, 0, np.empty((len(residuals), 0))
-            return Fit(self.changes, self.hypothesis(x), x, *none)
+            return Fit(self.changes, hypotheses[0], x, *none)
         found = self._least_squares(x, TOLERANCE, evaluations)
         x = found.x
         J = np.asarray(found.jac)
-        measured = len(J) - len(self.data.prior_residuals(self.data.base))
+        measured = len(J) - self.data.prior_residuals(self.data.base[None]).size
         seen = np.linalg.svd(J[:measured], compute_uv=False)
         rank = int(np.count_nonzero(seen > RANK * seen[0]))
         _, known, directions = np.linalg.svd(J, full_matrices=False)
@@ -265,7 +270,7 @@ class Trial:
         covariance = one_error.T @ one_error
         return Fit(
             self.changes,
-            self.hypothesis(x),
+            self.hypotheses(x[None])[0],
             self.scales * x,
             covariance * np.outer(self.scales, self.scales),
             found.fun[:measured],
@@ -279,7 +284,7 @@ def linear(data: Data, base: Hypothesis, changes: Sequence[Change]) -> list[Line
     if not changes:
         return []
     around = [change.around(base) for change in changes]
-    residuals = data.residuals([one for each in around for one in each])
+    residuals = data.residuals(Hypothesis.joined(around))
     parts = np.split(residuals, np.cumsum([len(each) for each in around])[:-1])
     return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]
 

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ....reference.other_equations import OtherEquations, equations_of
+from ....reference.rows import Entry
 from ....scenarios import FloatArray, Scenario
 from ...results.evidence import Explanation
 
@@ -14,18 +16,19 @@ from ...results.evidence import Explanation
 SMALL = 1e-5
 
 
-class Hypothesis(NamedTuple):
+class Hypothesis(OtherEquations):
     """Equations that may have been integrated, and how the states of that motion are read.
+
+    One object holds one hypothesis, or H of them.
 
     Attributes
     ----------
-    equations : the equations of motion
     start : deviation of the first state from the scene's: a rotation vector, rad, and a difference
         of ω, rad/s, body axes, (6,)
     read, bias, drift, lag : at a time t, s, `read` @ ω(t − `lag`) + `bias` + t `drift` is read,
         along body axes; (3, 3), rad/s (3,), rad/s² (3,) and s
     low_pass : time constant, s, of a low-pass filter of first order that ω has passed
-    is_begun : whether that filter begins at the first sample, with ω as it is there
+    is_begun : 1 if that filter begins at the first sample, with ω as it is there, else 0
     turned, delay : the attitude that is read at a time t is q(t − `delay`), delay in s, turned in
         the body by the rotation vector `turned`, rad, body axes, (3,)
     step : ratio of the time by which the motion advances to the timestep, or to the recorded time
@@ -33,33 +36,25 @@ class Hypothesis(NamedTuple):
     braking : rate at which the com of a body without a pivot is slowed, 1/s
     """
 
-    equations: OtherEquations
-    start: FloatArray
-    read: FloatArray
-    bias: FloatArray
-    drift: FloatArray
-    turned: FloatArray
-    lag: float = 0.0
-    low_pass: float = 0.0
-    is_begun: bool = False
-    delay: float = 0.0
-    step: float = 1.0
-    velocity: float = 1.0
-    braking: float = 0.0
-
-    def of(self, **terms: Any) -> "Hypothesis":
-        """A hypothesis in which the given terms of the equations replace those of this one."""
-        return self._replace(equations=self.equations._replace(**terms))
-
-    def of_tensor(self, inertia: FloatArray) -> "Hypothesis":
-        """A hypothesis in which the body has another tensor of inertia, kg m², (3, 3)."""
-        return self._replace(equations=self.equations.with_inertia(inertia))
+    start = Entry(6)
+    read = Entry(3, 3)
+    bias = Entry(3)
+    drift = Entry(3)
+    turned = Entry(3)
+    lag = Entry()
+    low_pass = Entry()
+    is_begun = Entry()
+    delay = Entry()
+    step = Entry()
+    velocity = Entry()
+    braking = Entry()
 
 
 def as_it_is(scenario: Scenario) -> Hypothesis:
     """The scene's equations, with states that are read as they are."""
-    none = np.zeros(3)
-    return Hypothesis(equations_of(scenario), np.zeros(6), np.eye(3), none, none, none)
+    numbers = np.zeros(Hypothesis.count)
+    numbers[: OtherEquations.count] = equations_of(scenario).numbers
+    return Hypothesis(numbers).of(read=np.eye(3), step=1.0, velocity=1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +64,7 @@ class Change:
     Attributes
     ----------
     kind : name of the kind of change, by which it is stored and put in words
-    apply : makes the change in a hypothesis, with given parameters, (k,); zeros change nothing
+    apply : makes the change in H hypotheses, with parameters, (H, k); zeros change nothing
     scales : values of the parameters with which the change is neither small nor large, (k,)
     shown : computes the numbers that the words of the change state from the parameters
     is_possible : whether given parameters, (k,), and the hypothesis that they lead to, may be those
@@ -82,10 +77,14 @@ class Change:
     shown: Callable[[FloatArray], Sequence[float] | FloatArray] = np.asarray
     is_possible: Callable[[Hypothesis, FloatArray], bool] = lambda _, __: True
 
-    def around(self, hypothesis: Hypothesis) -> list[Hypothesis]:
+    def around(self, hypothesis: Hypothesis) -> Hypothesis:
         """The k + 1 hypotheses with parameters of zero, and with a small step in each of them."""
-        steps = SMALL * np.diag(self.scales)
-        return [self.apply(hypothesis, n) for n in (np.zeros(len(steps)), *steps)]
+        return self.apply(hypothesis.repeated(len(self._steps)), self._steps)
+
+    @cached_property
+    def _steps(self) -> FloatArray:
+        """Parameters of zero, and with a small step in each of them, (k + 1, k)."""
+        return np.vstack([np.zeros_like(self.scales), SMALL * np.diag(self.scales)])
 
     def explanation(self, parameters: FloatArray) -> Explanation:
         """The change with fitted parameters, as it is stored and put in words."""
@@ -117,7 +116,7 @@ def fitted(
     ----------
     nominal : the numbers without the change, (k,)
     scale : scale of the deviations, in the unit of the numbers
-    apply : puts the changed numbers into a hypothesis
+    apply : puts changed numbers, (H, k), into H hypotheses
     kind, is_possible : as in `Change`
     """
     scales = np.broadcast_to(scale, nominal.shape).astype(float)
@@ -143,7 +142,12 @@ def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -
         yield set_to(kind, (sign * (whole - 1),), **multiplied)
     yield Change(
         kind,
-        lambda h, n: h.of(**{name: (1 + n[0]) * term for name, term in terms.items()}),
+        lambda h, n: h.of(**{name: scaled(1 + n, term) for name, term in terms.items()}),
         np.ones(1),
         lambda n: sign * n,
     )
+
+
+def scaled(factors: FloatArray, term: FloatArray) -> FloatArray:
+    """Return a term, (...), times each of H factors, (H, 1): (H, ...)."""
+    return np.asarray(np.multiply.outer(factors[:, 0], term))

@@ -70,10 +70,11 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
         yield "rows and columns", order, of_com[np.ix_(order, order)]
     for signs in product((1.0, -1.0), repeat=3):
         signed = tensor_entries(of_com) * [1, 1, 1, *signs]
-        yield "signs of products", signs, tensor_of_entries(signed)
+        yield "signs of products", signs, tensors_of_entries(signed)
     entries = tensor_entries(of_com)
     for order in orders:
-        yield "exchanged products", order, tensor_of_entries([*entries[:3], *entries[3:][order]])
+        exchanged = np.concatenate([entries[:3], entries[3:][order]])
+        yield "exchanged products", order, tensors_of_entries(exchanged)
     if about:
         # The term of the parallel axes, m r² 1 - m r rᵀ, has the trace 2 m r².
         yield "parallel axes by distance", (), of_com - steiner + np.eye(3) * np.trace(steiner) / 2
@@ -121,7 +122,6 @@ def tensor_entries(tensor: FloatArray) -> FloatArray:
     return np.array([tensor[i, j] for i, j in ENTRIES])
 
 
-def tensor_of_entries(entries: Sequence[float] | FloatArray) -> FloatArray:
-    """The symmetric tensor, (3, 3), with the entries Ixx, Iyy, Izz, Ixy, Ixz and Iyz, (6,)."""
-    xx, yy, zz, xy, xz, yz = entries
-    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+def tensors_of_entries(entries: FloatArray) -> FloatArray:
+    """Symmetric tensors, (..., 3, 3), of the entries Ixx, Iyy, Izz, Ixy, Ixz and Iyz, (..., 6)."""
+    return np.asarray(entries[..., [[0, 3, 4], [3, 1, 5], [4, 5, 2]]])

@@ -4,7 +4,7 @@ The gains that changed equations predict are compared with the measured gains of
 once.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,7 +19,7 @@ from ....scenarios.rotation import matrices, turned
 from ...results.evidence import Explanation
 from ..explaining.changes import changes
 from ..explaining.fit import RANK, Data
-from ..explaining.hypothesis import Change, Hypothesis
+from ..explaining.hypothesis import Change, Hypothesis, scaled
 from ..explaining.search import Search
 from .noise import NO_SIZE
 
@@ -41,9 +41,9 @@ class Gains(Data):
     excess: FloatArray
     noise: FloatArray
 
-    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
+    def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """The residual gains under each of H hypotheses, in units of `scale`, (H, K, 4, 3)."""
-        made = np.stack([self.made(one) for one in hypotheses])
+        made = np.stack([self.made(hypotheses[k]) for k in range(len(hypotheses))])
         off = (self.excess - made + self.exact) / self.scale[..., None]
         return np.asarray(off)
 
@@ -63,26 +63,27 @@ class Gains(Data):
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:
-        """The rates of change of the quantities if a hypothesis holds, (K, 4, 3).
+        """The rates of change of the quantities if one hypothesis holds, (K, 4, 3).
 
         They are in the units of `excess`, and means of repeats.
         """
-        e, scenario = hypothesis.equations, self.equations.scenario
+        scenario = self.equations.scenario
         R_world_body = matrices(self.states.q_world_body_wxyz)
         omega = self.states.omega_body @ inverse(hypothesis.read).T
         turning, omega_rate = np.split(self._rates(hypothesis, omega), 2, axis=1)
         torque = omega_rate @ hypothesis.read.T @ scenario.inertia.T
         if scenario.constraint.is_pivot:
-            com = np.tile(e.pull / scenario.body.mass, (len(omega), 1))
-            position, step = turned(R_world_body, com), 1.0
+            com = np.tile(hypothesis.pull / scenario.body.mass, (len(omega), 1))
+            position, step = turned(R_world_body, com), np.ones(())
             velocity = turned(R_world_body, np.cross(omega, com))
         else:
             position, step = self.states.velocity_world, hypothesis.step
             position = position / (hypothesis.velocity or np.nan)
-            velocity = np.tile(e.gravity_world, (len(omega), 1))
-            if e.mobility:
-                swing = np.cross(omega_rate, e.lever)
-                swing += np.cross(omega, np.cross(omega, e.lever))
+            velocity = np.tile(hypothesis.gravity_world, (len(omega), 1))
+            if hypothesis.mobility:
+                lever = hypothesis.lever
+                swing = np.cross(omega_rate, lever)
+                swing += np.cross(omega, np.cross(omega, lever))
                 velocity[:, 2] = turned(R_world_body, swing)[:, 2]
             velocity -= hypothesis.braking * self.states.velocity_world
         velocity = hypothesis.velocity * velocity
@@ -102,11 +103,11 @@ class Gains(Data):
         ----------
         omega : ω of the states, without the mistakes of reading it, rad/s, body axes, (R K, 3)
         """
-        e, usual = hypothesis.equations, self.base.equations.kept
+        usual = self.base.kept
         # The rotors' momentum depends on the state, so that its value at the start cannot be used.
-        factor = float(e.kept @ usual / (usual @ usual)) if usual.any() else 0.0
+        factor = float(hypothesis.kept @ usual / (usual @ usual)) if usual.any() else 0.0
         kept = factor * self.equations.kept_body(self.states)
-        return rates(e, np.hstack([self.states.q_world_body_wxyz, omega]), kept)
+        return rates(hypothesis, np.hstack([self.states.q_world_body_wxyz, omega]), kept)
 
 
 def explanations(gains: Gains) -> tuple[Explanation, ...]:
@@ -119,17 +120,17 @@ def explanations(gains: Gains) -> tuple[Explanation, ...]:
 def _readings() -> Iterator[Change]:
     """Changes in which a step takes another time, or in which ω or velocity is multiplied."""
     one, unit = np.ones(1), np.eye(3)
-    yield Change("step", lambda h, n: h._replace(step=1 + n[0]), one)
-    yield Change("omega", lambda h, n: h._replace(read=(1 + n[0]) * unit), one)
-    yield Change("velocity", lambda h, n: h._replace(velocity=1 + n[0]), one)
+    yield Change("step", lambda h, n: h.of(step=1 + n[:, 0]), one)
+    yield Change("omega", lambda h, n: h.of(read=scaled(1 + n, unit)), one)
+    yield Change("velocity", lambda h, n: h.of(velocity=1 + n[:, 0]), one)
 
 
 def _braking() -> Iterator[Change]:
     """Changes in which the com's velocity decays, alone or at the same rate as ω."""
     one, slowed = np.ones(1), np.array([0.0, 1.0, 0.0])
-    yield Change("braking", lambda h, n: h._replace(braking=n[0]), one)
+    yield Change("braking", lambda h, n: h.of(braking=n[:, 0]), one)
     yield Change(
         "decay and braking",
-        lambda h, n: h._replace(braking=n[0]).of(slowing=h.equations.slowing + n[0] * slowed),
+        lambda h, n: h.of(braking=n[:, 0], slowing=h.slowing + n * slowed),
         one,
     )

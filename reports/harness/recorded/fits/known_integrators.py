@@ -73,7 +73,7 @@ class KnownIntegrators:
         One that keeps the length of I ω is among them only if the scene's torques keep it, too: it
         would undo drag, and so explain a motion in which drag is missing.
         """
-        equations, states = self.intervals.base.equations, self.intervals.starts
+        equations, states = self.intervals.base, self.intervals.starts
         kept = np.tile(equations.kept, (len(states), 1))
         momenta, torques = (
             vectors @ equations.inertia
@@ -109,7 +109,9 @@ class KnownIntegrators:
 
     def left_exactly(self, hypothesis: Hypothesis) -> float:
         """Return the mean square residual of a hypothesis' exact flow, in variances of noise."""
-        return mean_square(self.intervals.spread(FEW).made_by(EXACT, 0.0).deviations([hypothesis]))
+        return mean_square(
+            self.intervals.spread(FEW).made_by(EXACT, 0.0).deviations(hypothesis[None])
+        )
 
     @staticmethod
     def _best(
@@ -128,7 +130,7 @@ class KnownIntegrators:
         """
         if not each or exactly <= 1:
             return None
-        squares = [mean_square(one.deviations([hypothesis])) for one in each]
+        squares = [mean_square(one.deviations(hypothesis[None])) for one in each]
         if min(squares) > max(noise, SAME**2 * exactly):
             return None
         # Of integrators whose residuals are within noise the first is named, else the one with the

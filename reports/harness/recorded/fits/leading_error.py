@@ -16,11 +16,12 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from scipy.optimize import lsq_linear
 
+from .....reference.deviations import apart
 from .....reference.following import follow, rates
 from .....reference.other_equations import OtherEquations
 from .....scenarios import FloatArray
 from .....scenarios.rotation import cross, norms, turning_of
-from ..samples.intervals import Intervals, apart
+from ..samples.intervals import Intervals
 
 #: Order up to which vertices are coloured: for higher orders there would be too many trees.
 COLOURED = 2
@@ -57,7 +58,10 @@ def left_by_methods(
     ----------
     timestep : timestep of the method, s; the time between samples if None
     """
-    residuals, errors = data.deviations([data.base]).ravel(), leading_errors(data, orders, timestep)
+    residuals, errors = (
+        data.deviations(data.base[None]).ravel(),
+        leading_errors(data, orders, timestep),
+    )
     columns = (errors / data.scale).reshape(len(errors), -1).T
     # Columns are scaled to one, so that none is too small to count.
     units = np.linalg.norm(columns, axis=0)
@@ -80,8 +84,8 @@ def leading_errors(
     timestep : timestep of the method, s; the time between samples if None
     """
     steps = np.minimum(timestep or np.inf, data.spans)
-    equations = data.base.equations
-    rate = max(float(norms(data.starts[:, 4:]).max()), equations.rate)
+    equations = data.base
+    rate = max(float(norms(data.starts[:, 4:]).max()), float(equations.rate))
     units = np.array([1.0, rate]).repeat([4, 3])
     terms = _terms(equations)
     # In units in which the rate is one, the size of the error is a power of the angle of a step.
@@ -123,7 +127,7 @@ def _terms(equations: OtherEquations) -> list[OtherEquations]:
     every = {name: 0 * getattr(equations, name) for names in _TERMS for name in names}
     acting = [[n for n in names if getattr(equations, n).any()] for names in _TERMS]
     return [
-        equations._replace(**every | {name: getattr(equations, name) for name in names})
+        equations.of(**every | {name: getattr(equations, name) for name in names})
         for names in acting
         if names
     ]

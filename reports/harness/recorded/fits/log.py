@@ -7,12 +7,13 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from .....reference.deviations import apart
 from .....reference.following import APPROXIMATE, ERROR, EXACT, Integrator, follow_each
 from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.rotation import norms
 from ...explaining.fit import Data, Fit
 from ...explaining.hypothesis import Hypothesis, as_it_is
-from ..samples.intervals import FASTER, apart, states_of
+from ..samples.intervals import FASTER, states_of
 from ..samples.mistakes import FITS
 from ..samples.sensors import as_read
 
@@ -54,7 +55,7 @@ class Log(Data):
     def rate(self) -> float:
         """The largest rate at which the body turns or its state changes, rad/s."""
         speeds = norms(np.vstack([self.states[:, 4:], self.scene_start[None, 4:]]))
-        return float(max(speeds.max(), self.base.equations.rate, self.noise[1]))
+        return float(max(speeds.max(), float(self.base.rate), self.noise[1]))
 
     @property
     def fastest(self) -> float:
@@ -94,7 +95,7 @@ class Log(Data):
         """The number of components of a sample that are fitted: 6, or 3 if ω was not recorded."""
         return 6 if self.has_omega else 3
 
-    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
+    def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """The residuals of H hypotheses, in standard deviations of noise, as in `Data`.
 
         Returns
@@ -107,7 +108,7 @@ class Log(Data):
             off = apart(as_read(hypotheses, made, self.t), self.states) / np.repeat(self.noise, 3)
         return off[..., : self.measured]
 
-    def made(self, hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
+    def made(self, hypotheses: Hypothesis, t: FloatArray) -> FloatArray:
         """Return the states that H hypotheses lead to at given times, (H, n, 7).
 
         Parameters
@@ -118,53 +119,53 @@ class Log(Data):
         -------
         q, scalar first, and ω, rad/s, body axes, before any sensor reads them
         """
-        changed = np.stack([one.start for one in hypotheses])
+        changed = hypotheses.start
         turn = Rotation.from_rotvec(changed[:, :3])
         q = Rotation.from_quat(self.scene_start[:4], scalar_first=True) * turn
         omega = self.scene_start[4:] + changed[:, 3:]
         starts = np.hstack([q.as_quat(scalar_first=True), omega])[:, None]
-        steps = np.array([one.step for one in hypotheses])[:, None, None]
-        spans = steps * np.diff(t, prepend=self.t[0])
-        equations = [one.equations for one in hypotheses]
-        return follow_each(equations, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
+        spans = hypotheses.step[:, None, None] * np.diff(t, prepend=self.t[0])
+        return follow_each(hypotheses, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
 
-    def prior_residuals(self, hypothesis: Hypothesis) -> FloatArray:
-        """The deviations of the tensor of inertia from its prior mean, as in `Data`, (9,).
+    def prior_residuals(self, hypotheses: Hypothesis) -> FloatArray:
+        """The deviations of the tensors of inertia from their prior mean, as in `Data`, (H, 9).
 
         The tensors are relative to their traces, and the prior mean is the scene's tensor.
         """
-        made, usual = (h.equations.inertia for h in (hypothesis, self.base))
-        deviation = made / np.trace(made) - usual / np.trace(usual)
-        return np.asarray(3 * deviation.ravel() / PRIOR_SPREAD)
+        made, usual = hypotheses.inertia, self.base.inertia
+        traces = np.trace(made, axis1=1, axis2=2)[:, None, None]
+        deviations = made / traces - usual / np.trace(usual)
+        return np.asarray(3 * deviations.reshape(-1, 9) / PRIOR_SPREAD)
 
     def squares(self, standardised: FloatArray) -> FloatArray:
-        """Return χ² of residuals of attitude and, if it is fitted, of ω: (2,) or (1,).
+        """Return χ² of M sets of residuals, of attitude and, if it is fitted, of ω, (M, 2 or 1).
 
         Deviations of `FITS`, which need no explanation, are added, so that rounding is not taken
         for noise.
 
         Parameters
         ----------
-        standardised : the residuals, in standard deviations of noise, (6 n,) or (3 n,)
+        standardised : the residuals, in standard deviations of noise, (M, 6 n) or (M, 3 n)
         """
-        squares = np.sum(standardised.reshape(len(self.t), -1, 3) ** 2, axis=(0, 2))
+        of_vectors = standardised.reshape(len(standardised), len(self.t), -1, 3)
+        squares = np.sum(of_vectors**2, axis=(1, 3))
         fits = FITS * np.array([1.0, self.rate]) / self.noise
-        return np.asarray(squares + 3 * len(self.t) * fits[: len(squares)] ** 2)
+        return np.asarray(squares + 3 * len(self.t) * fits[: squares.shape[1]] ** 2)
 
-    def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """The decrease of χ² from the residuals before a change to those after it, as in `Data`.
+    def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:
+        """The decreases of χ² from the residuals before M changes to those after, as in `Data`.
 
         If noise is not stated, it is twice the logarithm of the ratio of the likelihoods, in which
         the noise is estimated from the residuals.
         """
         if self.is_stated:
-            return super().chi2_decrease(before, after)
-        ratios = self.squares(before) / self.squares(after)
-        return float(3 * len(self.t) * np.sum(np.log(ratios)))
+            return super().chi2_decreases(before, after)
+        ratios = self.squares(before[None]) / self.squares(after)
+        return np.asarray(3 * len(self.t) * np.sum(np.log(ratios), axis=1))
 
     def with_noise_of(self, fit: Fit) -> "Log":
         """Return the samples, with noise that is estimated from the residuals of a fit."""
-        squares = self.squares(fit.residuals)
+        (squares,) = self.squares(fit.residuals[None])
         # Each parameter takes one degree of freedom, half from attitude and half from ω.
         freedom = 3 * len(self.t) - len(fit.parameters) / len(squares)
         noise = self.noise.copy()

@@ -11,7 +11,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from scipy.special import chdtrc, chdtri, fdtrc
 
-from .....reference.following import follow
+from .....reference.deviations import apart
+from .....reference.following import follow_each
 from .....scenarios import FloatArray, Scenario
 from .....scenarios.rotation import norms
 from ...explaining.changes import has_tensor, tensor
@@ -19,7 +20,6 @@ from ...explaining.effect_changes import com, of_momentum, resistance, torques, 
 from ...explaining.fit import Fit, Trial
 from ...explaining.hypothesis import Change, Hypothesis
 from ...explaining.search import LEFT, SIGNIFICANCE
-from ..samples.intervals import apart
 from ..samples.sensors import CROSS_AXIS, OF_LOGS, READINGS
 from .log import Log
 from .motion_changes import TIMES, changes_of_motion
@@ -44,7 +44,7 @@ LATEST = 30.0
 SHARED = 2.63
 
 #: The change of the first state: a rotation vector, rad, and a difference of ω, rad/s, body axes.
-START = Change("start", lambda h, n: h._replace(start=h.start + n), np.ones(6))
+START = Change("start", lambda h, n: h.of(start=h.start + n), np.ones(6))
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,12 +62,12 @@ class LogFit:
     @cached_property
     def tensor(self) -> Change:
         """The change that fits the tensor of inertia, by its deviation from the scene's tensor."""
-        return tensor(self.given.base.equations)
+        return tensor(self.given.base)
 
     @cached_property
     def by_attitude(self) -> Change:
         """The change that adds torques that depend on the attitude."""
-        return by_attitude(usual_torque(self.scenario, self.given.base.equations))
+        return by_attitude(usual_torque(self.scenario, self.given.base))
 
     @cached_property
     def axes(self) -> Change:
@@ -78,10 +78,12 @@ class LogFit:
         omega = self.given.scene_start[4:]
 
         def turn_axes(h: Hypothesis, turn: FloatArray) -> Hypothesis:
-            R, e = Rotation.from_rotvec(turn).as_matrix(), h.equations
-            of_body = {name: R.T @ getattr(e, name) for name in ("pull", "torque", "kept")}
-            start = np.concatenate([turn, R.T @ omega - omega])
-            return h.of_tensor(R.T @ e.inertia @ R).of(**of_body)._replace(start=start)
+            turns = Rotation.from_rotvec(turn)
+            R, back = turns.as_matrix(), turns.inv()
+            of_body = {name: back.apply(getattr(h, name)) for name in ("pull", "torque", "kept")}
+            start = np.hstack([turn, back.apply(omega) - omega])
+            inertia = np.swapaxes(R, 1, 2) @ h.inertia @ R
+            return h.with_inertia(inertia).of(**of_body, start=start)
 
         return Change("axes of the body", turn_axes, np.ones(3))
 
@@ -92,19 +94,20 @@ class LogFit:
         Its parameter is how much earlier that time is, s; a negative one means a later time.
         """
         start = self.given.scene_start[None]
-        rate = max(float(norms(start[:, 4:])[0]), self.given.base.equations.rate) or 1.0
+        rate = max(float(norms(start[:, 4:])[0]), float(self.given.base.rate)) or 1.0
         most = LATEST / rate
 
         def shift_time(h: Hypothesis, time: FloatArray) -> Hypothesis:
-            before = follow(h.equations, start, -np.clip(time, -most, most)[None])[:, 0]
-            return h._replace(start=apart(start, before)[0])
+            starts = np.repeat(start[None], len(time), axis=0)
+            before = follow_each(h, starts, -np.clip(time, -most, most)[:, None])[:, 0, 0]
+            return h.of(start=apart(starts[:, 0], before))
 
         return Change("late", shift_time, np.array([1 / rate]))
 
     @cached_property
     def general(self) -> list[Change]:
         """The changes that measured motions most often require."""
-        equations = self.given.base.equations
+        equations = self.given.base
         scene = self.scenario, equations
         found = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
         found += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
@@ -229,10 +232,8 @@ class LogFit:
         The test is a χ² test if the noise is stated. Otherwise the noise was estimated itself, and
         the test is an F test.
         """
-        squares, freedom = (
-            self.given.squares(fit.residuals),
-            fit.residuals.size - len(fit.parameters),
-        )
+        (squares,) = self.given.squares(fit.residuals[None])
+        freedom = fit.residuals.size - len(fit.parameters)
         if self.given.is_stated:
             return float(chdtrc(freedom, squares.sum())) < SIGNIFICANCE
         each = freedom / len(squares)

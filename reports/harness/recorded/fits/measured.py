@@ -36,7 +36,7 @@ class Measured(LogFit):
             return "No tensor is given: what is left is far beyond noise."
         if not self.shows_tensor:
             return "No tensor is given: the motion does not show it beside what explains it."
-        free = "" if is_scaled(self.log.base.equations) else ", up to a factor"
+        free = "" if is_scaled(self.log.base) else ", up to a factor"
         entries = _plus_minus(*self.tensor_entries())
         return f"The tensor Ixx, Iyy, Izz, Ixy, Ixz, Iyz that fits best is {entries} kg m²{free}."
 

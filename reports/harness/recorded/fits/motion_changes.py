@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from .....reference.other_equations import KEPT_IN_WORLD, inverse
+from .....reference.other_equations import KEPT_IN_WORLD, equations_of, inverse
 from .....scenarios import FloatArray, Scenario
 from ....results.change_words import KINDS, vector
 from ...explaining.changes import changes
 from ...explaining.fit import Fit
-from ...explaining.hypothesis import Change, Hypothesis, as_it_is
+from ...explaining.hypothesis import Change, Hypothesis
 from ..samples.missing import KINEMATICS
 from ..samples.sensors import FILTERS, READINGS, of_sensor
 from .motion_effects import of_attitude, of_rotors
@@ -21,7 +21,7 @@ IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
 )
 #: The times between samples are wrong by a factor.
-TIMES = Change("times", lambda h, n: h._replace(step=1 + n[0]), np.ones(1))
+TIMES = Change("times", lambda h, n: h.of(step=1 + n[:, 0]), np.ones(1))
 
 
 def _reversed_rate(axis: int) -> Change:
@@ -29,7 +29,7 @@ def _reversed_rate(axis: int) -> Change:
     sign = 1.0 - 2.0 * np.eye(3)[axis]
 
     def reverse(h: Hypothesis, _: FloatArray) -> Hypothesis:
-        return h.of(inverse=sign[:, None] * h.equations.inverse)
+        return h.of(inverse=sign[:, None] * h.inverse)
 
     return Change("sign of a rate", reverse, np.empty(0), lambda _: [axis])
 
@@ -42,11 +42,12 @@ def _locked_axis(axis: int, *, is_set: bool) -> Change:
     kept = [i for i in range(3) if i != axis]
 
     def lock(h: Hypothesis, _: FloatArray) -> Hypothesis:
-        inverse_inertia = h.equations.inverse.copy()
-        inverse_inertia[axis] = 0.0
+        inverse_inertia = h.inverse.copy()
+        inverse_inertia[:, axis] = 0.0
         if not is_set:
-            inverse_inertia = np.zeros((3, 3))
-            inverse_inertia[np.ix_(kept, kept)] = inverse(h.equations.inertia[np.ix_(kept, kept)])
+            rows, columns = np.ix_(kept, kept)
+            inverse_inertia[:, :, axis] = 0.0
+            inverse_inertia[:, rows, columns] = inverse(h.inertia[:, rows, columns])
         return h.of(inverse=inverse_inertia)
 
     return Change(f"rate {'set' if is_set else 'held'}", lock, np.empty(0), lambda _: [axis])
@@ -60,7 +61,7 @@ LOCKED = [_locked_axis(axis, is_set=is_set) for is_set in (False, True) for axis
 
 def changes_of_motion(scenario: Scenario) -> tuple[Change, ...]:
     """Return every change with which a motion of a scene may have been computed or read."""
-    scene = scenario, as_it_is(scenario).equations
+    scene = scenario, equations_of(scenario)
     of_equations = IN_WORLD, *changes(scenario), *OTHER_SIGNS, *LOCKED
     return *of_equations, *of_rotors(*scene), *of_attitude(*scene), *READINGS
 

@@ -14,8 +14,8 @@ from .....scenarios import FloatArray, Scenario
 from .....scenarios.rotation import matrix
 from .....scenarios.scenario import with_tables
 from ...explaining.effect_changes import drags_law, mean_moment, usual_rate, usual_torque
-from ...explaining.hypothesis import Change, Hypothesis, fitted, set_to
-from ...explaining.other_tensors import tensor_of_entries
+from ...explaining.hypothesis import Change, Hypothesis, fitted, scaled, set_to
+from ...explaining.other_tensors import tensors_of_entries
 
 #: Powers of ‖ω‖ in the coefficients of quadratic drag and of dry friction.
 POWERS = 1.0, -1.0
@@ -52,7 +52,7 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     up = -gravity / np.linalg.norm(gravity) if gravity.any() else np.eye(3)[2]
     yield Change(
         "gravity gradient",
-        lambda h, n: h.of(gravity_gradient=n[0] * np.outer(up, up)),
+        lambda h, n: h.of(gravity_gradient=scaled(n, np.outer(up, up))),
         np.array([rate**2]),
         lambda n: np.array([n[0], *up]),
     )
@@ -75,7 +75,7 @@ def by_attitude(size: float) -> Change:
     return fitted(
         "torque by attitude",
         *(np.zeros(9), size),
-        lambda h, n: h.of(attitude_torque=n.reshape(3, 3).copy()),
+        lambda h, n: h.of(attitude_torque=n.reshape(-1, 3, 3)),
     )
 
 
@@ -92,8 +92,9 @@ def dipole(P: FloatArray) -> Change:
     of_body, scales, of_world = np.linalg.svd(P)
 
     def dipole_torque(n: FloatArray) -> FloatArray:
-        field = Rotation.from_rotvec(n[3:] @ of_world[1:]).apply(of_world[0])
-        return np.outer(scales[0] * of_body[:, 0] + n[:3], field)
+        field = Rotation.from_rotvec(n[..., 3:] @ of_world[1:]).apply(of_world[0])
+        of_dipole = scales[0] * of_body[:, 0] + n[..., :3]
+        return np.asarray(of_dipole[..., None] * field[..., None, :])
 
     return Change(
         "torque by attitude",
@@ -114,7 +115,7 @@ def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
     R_rest = matrix(q_rest_wxyz)
     return Change(
         "spring",
-        lambda h, n: h.of(spring=n[0] * R_rest),
+        lambda h, n: h.of(spring=scaled(n, R_rest)),
         np.array([size]),
         lambda n: [n[0], *q_rest_wxyz],
     )
@@ -131,11 +132,11 @@ def world_turning(rate: float) -> Change:
 
 
 def _gravity_gradient(h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """Return a hypothesis with a gravity gradient, 1/s², whose entries but zz are `n`, (5,).
+    """Return H hypotheses with gravity gradients, 1/s², whose entries but zz are `n`, (H, 5).
 
     The entry zz is 0, because a multiple of the identity would have no torque.
     """
-    return h.of(gravity_gradient=tensor_of_entries([*n[:2], 0.0, *n[2:]]))
+    return h.of(gravity_gradient=tensors_of_entries(np.insert(n, 2, 0.0, axis=1)))
 
 
 def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:

@@ -136,7 +136,7 @@ class Physics:
         if self.intervals is None:
             return LARGEST_NEXT
         data = self.intervals
-        fastest = max(float(norms(data.starts[:, 4:]).max()), data.base.equations.rate)
+        fastest = max(float(norms(data.starts[:, 4:]).max()), float(data.base.rate))
         timestep = self.timestep or float(np.median(data.spans))
         return min(LARGEST_NEXT, NEXT_TERM * fastest * timestep)
 
@@ -175,7 +175,9 @@ class Physics:
         if not by_order:
             return 0
         best = min(by_order, key=by_order.__getitem__)
-        by_change = mean_square(data.deviations([self.found.hypothesis])) if self.found else np.inf
+        by_change = (
+            mean_square(data.deviations(self.found.hypothesis[None])) if self.found else np.inf
+        )
         return best if by_change > LEFT**2 * by_order[best] else 0
 
     @property
@@ -272,7 +274,7 @@ class Physics:
         if self.intervals is None:
             return np.zeros(2)
         exact = self.intervals.made_by(EXACT, 0.0)
-        (off,) = exact.deviations([exact.base]) * exact.scale
+        (off,) = exact.deviations(exact.base[None]) * exact.scale
         return root_mean_squares(off)
 
     @cached_property

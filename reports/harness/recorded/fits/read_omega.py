@@ -4,7 +4,7 @@ The equations of motion lead from one attitude to the next with one ω only: the
 ω may be the body's after a clamp, a linear filter or a sensor's errors.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -56,7 +56,7 @@ class ReadOmega(Data):
     read: FloatArray
     error: float
 
-    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
+    def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """The residuals of ω for H hypotheses, in standard deviations, (H, n, 3)."""
         computed = as_read(hypotheses, np.repeat(self.body[None], len(hypotheses), axis=0), self.t)
         return np.asarray((computed[..., 4:] - self.read) / self.error)
@@ -86,7 +86,7 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
         return []
     base = physics.base or as_it_is(physics.scenario)
     states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
-    actual_omega = _omega_between(base.equations, states, np.diff(motion.t))
+    actual_omega = _omega_between(base, states, np.diff(motion.t))
     if actual_omega is None or physics.intervals is None:
         return []
     read = motion.omega_body[:-1]

@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.special import chdtrc, chdtri
 
+from .....reference.deviations import apart
 from .....reference.following import follow
 from .....scenarios import FloatArray
 from .....scenarios.rotation import norms
@@ -10,7 +11,6 @@ from ...explaining.search import LEFT, SIGNIFICANCE
 from ..samples.clamps import TINY
 from ..samples.columns import EACH, SATURATES
 from ..samples.digits import where
-from ..samples.intervals import apart
 from .log import Log
 
 #: Step of the finite difference for rates of change, in sampling periods.
@@ -32,9 +32,9 @@ def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
     ----------
     unchanged : the residuals of the scene's own equations, in standard deviations of noise, (m,)
     """
-    (made,) = log.made([log.base], log.t)
+    (made,) = log.made(log.base[None], log.t)
     step = SMALL * float(np.median(np.diff(log.t)))
-    later = follow(log.base.equations, made, np.full((len(made), 1), step))[:, 0]
+    later = follow(log.base, made, np.full((len(made), 1), step))[:, 0]
     slopes = (apart(made, later) / np.repeat(log.noise, 3))[:, : log.measured] / step
     residuals = unchanged.reshape(len(made), -1)
     late = np.sum(slopes * residuals, axis=1) / np.maximum(np.sum(slopes**2, axis=1), TINY)
@@ -66,7 +66,7 @@ def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
     """
     if not log.has_omega:
         return []
-    squares = log.squares(unchanged)
+    (squares,) = log.squares(unchanged[None])
     is_right = chdtrc(3 * len(log.t), squares) > SIGNIFICANCE
     if is_right.all() or not is_right.any():
         return []

@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtrc
 
+from .....reference.deviations import apart
 from .....scenarios import FloatArray, Trajectory
 from .....scenarios.rotation import norms
 from ...explaining.search import LEFT, SIGNIFICANCE
-from ..samples.intervals import Intervals, apart, states_of
+from ..samples.intervals import Intervals, states_of
 from .log import FEWEST, log_of
 from .log_fit import START
 from .measured import Measured
@@ -52,7 +53,7 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     if after.is_beyond:
         return []
     back = np.arange(first, -1, -1)
-    made = after.given.made([after.found.hypothesis], motion.t[back])[0]
+    made = after.given.made(after.found.hypothesis[None], motion.t[back])[0]
     off = apart(made, states_of(exact)[back])
     distances = np.sqrt(np.mean((off / np.repeat(log.noise, 3)) ** 2, axis=1))
     nearest, words = int(np.argmin(distances)), after.explained(but=START)
@@ -102,7 +103,7 @@ def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | Non
     least : bounds of the rounding of attitude, rad, and ω, rad/s, (2,)
     reach : number of samples on each side from which ω is computed; 0 if it was recorded
     """
-    off = norms(data.apart(data.base.equations).reshape(-1, 3)).reshape(-1, 2)
+    off = norms(data.apart(data.base).reshape(-1, 3)).reshape(-1, 2)
     inner = slice(reach, len(off) - reach)
     if len(off[inner]) < 2 * FEWEST:
         return None

@@ -6,13 +6,14 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from scipy.special import fdtrc
 
+from .....reference.deviations import apart
 from .....reference.following import follow
+from .....reference.other_equations import equations_of
 from .....scenarios import FloatArray, Scenario
 from .....scenarios.rotation import conjugate, matrix, norms, rotation_vectors
-from ...explaining.hypothesis import as_it_is
 from ...explaining.search import LEFT, SAME, SIGNIFICANCE
 from ..samples.clamps import TINY
-from ..samples.intervals import apart, deviations_from_flow, error_at_first_sample, states_of
+from ..samples.intervals import deviations_from_flow, error_at_first_sample, states_of
 from ..samples.mistakes import FITS
 from .other_physics import Physics
 from .read_omega import OMEGA
@@ -59,8 +60,8 @@ def _at_another_time(scenario: Scenario, start: FloatArray, deviations: FloatArr
     start : the exact state at the first sample, q and ω, (1, 7)
     deviations : deviations of the recorded attitude, rad, and ω, rad/s, from that state, (2, 3)
     """
-    equations = as_it_is(scenario).equations
-    rate = max(equations.rate, float(norms(start[:, 4:])[0]))
+    equations = equations_of(scenario)
+    rate = max(float(equations.rate), float(norms(start[:, 4:])[0]))
     turned, faster = norms(deviations) * [rate, 1.0]
     if not faster or turned > SAME * faster:
         return ""

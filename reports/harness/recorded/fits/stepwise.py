@@ -11,7 +11,6 @@ from itertools import combinations
 import numpy as np
 
 from .....scenarios import FloatArray
-from .....scenarios.rotation import norms
 from ...explaining.fit import RANK, Data, Fit, Trial, linear, mean_square
 from ...explaining.hypothesis import Change
 from ...explaining.search import PROMISING, Search
@@ -84,8 +83,8 @@ class Stepwise(Search):
         others = [one for one in self.changes if one not in fit.changes]
         for some in subsets if len(fit.changes) < most else subsets[1:]:
             residuals = residuals_if_linear(self.data, fit, some, others)
-            for other, left in zip(others, residuals, strict=True):
-                decrease = self.data.chi2_decrease(self.unchanged.residuals, left)
+            decreases = self.data.chi2_decreases(self.unchanged.residuals, residuals)
+            for other, decrease in zip(others, decreases.tolist(), strict=True):
                 changes = (*some, other)
                 trials.append((decrease - self._penalty(changes), Trial(self.data, changes)))
         trials.sort(key=lambda one: -one[0])
@@ -160,7 +159,7 @@ class Stepwise(Search):
     def score(self, fit: Fit) -> float:
         """The decrease of χ² by the changes of a fit, less that by chance, less the prior's χ²."""
         decrease = self.data.chi2_decrease(self.unchanged.residuals, fit.residuals)
-        of_prior = float(np.sum(self.data.prior_residuals(fit.hypothesis) ** 2))
+        of_prior = float(np.sum(self.data.prior_residuals(fit.hypothesis[None]) ** 2))
         return decrease - self._penalty(fit.changes) - of_prior
 
     def _penalty(self, changes: Sequence[Change]) -> float:
@@ -187,14 +186,20 @@ def residuals_if_linear(
     jacobian = np.hstack([np.empty((len(before.residuals), 0)), *columns])
     basis, sizes, _ = np.linalg.svd(jacobian, full_matrices=False)
     basis = basis[:, sizes > RANK * sizes.max(initial=0.0)]
-    left = []
-    for one in each:
-        rest = one.residuals - basis @ (basis.T @ one.residuals)
-        beside = one.jacobian - basis @ (basis.T @ one.jacobian)
+    left = np.array([one.residuals for one in each]).reshape(len(each), -1)
+    left -= left @ basis @ basis.T
+    counts = np.array([one.jacobian.shape[1] for one in each])
+    # The changes with equally many parameters together, as each takes less time than a call.
+    for count in np.unique(counts[counts > 0]):
+        at = np.flatnonzero(counts == count)
+        jacobians = np.stack([each[k].jacobian for k in at])
+        beside = jacobians - basis @ (basis.T @ jacobians)
         # What the kept changes explain as well has no direction of its own.
-        beside *= norms(beside.T) > RANK * norms(one.jacobian.T)
-        left.append(rest - beside @ np.linalg.lstsq(beside, rest, rcond=RANK)[0])
-    return np.array(left)
+        own = np.linalg.norm(beside, axis=1) > RANK * np.linalg.norm(jacobians, axis=1)
+        directions, sizes, _ = np.linalg.svd(beside * own[:, None], full_matrices=False)
+        directions *= (sizes > RANK * sizes[:, :1])[:, None]
+        left[at] -= (directions @ (np.swapaxes(directions, 1, 2) @ left[at, :, None]))[..., 0]
+    return left
 
 
 def _without(changes: tuple[Change, ...], count: int) -> list[tuple[Change, ...]]:

@@ -12,12 +12,12 @@ from scipy.special import chdtri
 from .....scenarios import FloatArray
 from ....results.change_words import KINDS
 from ...explaining.fit import NOT_FINITE
-from ...explaining.hypothesis import Change
+from ...explaining.hypothesis import SMALL, Change
 from ...explaining.search import LEFT, SAME, SIGNIFICANCE, largest_of_noise
 from ..samples.intervals import Intervals
 
-#: Number of iterations of a fit, and the step of a scaled parameter for a finite difference.
-STEPS, SMALL = 3, 1e-5
+#: Number of iterations of a fit.
+STEPS = 3
 #: A change is fitted further if an iteration leaves at most this fraction of the mean square of the
 #: residuals without it; and the most changes that are named if they explain a motion equally well.
 PROMISING, MOST_ALIKE = 0.5, 2
@@ -51,7 +51,7 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
     among : how many changes have been tried before, for Bonferroni's correction
     """
     single = [one for one in changes if len(one.scales) == 1]
-    (unchanged,) = data.deviations([data.base])
+    (unchanged,) = data.deviations(data.base[None])
     count = unchanged.size
     enough = max(largest_of_noise(count), LEFT**2 * float(np.mean(unchanged**2)))
     by_chance = float(chdtri(len(unchanged), SIGNIFICANCE / (among + len(single))))
@@ -63,8 +63,8 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
     for change in single:
         numbers, rest = _fit(data, parts, change, unchanged)
         square = float(np.mean(rest**2))
-        is_seen = square <= exactly or data.chi2_decrease(unchanged, rest) > by_chance
-        if square <= enough and is_seen:
+        decrease = data.chi2_decrease(unchanged.ravel(), rest.ravel())
+        if square <= enough and (square <= exactly or decrease > by_chance):
             found.append((square, change, numbers, rest))
     best = min((square for square, *_ in found), default=0.0)
     near = min(1.0, exactly) if best <= exactly else 1.0
@@ -91,8 +91,7 @@ def _fit(
     leaves too large residuals, if there is one
     """
     numbers, size = np.zeros(len(parts)), float(change.scales[0])
-    both = [change.apply(data.base, np.array([step * size])) for step in (0, SMALL)]
-    rest, stepped = _clip(data.deviations(both))
+    rest, stepped = _clip(data.deviations(change.around(data.base)))
     slopes = (stepped - rest) / SMALL
     for _ in range(STEPS):
         squares = np.maximum(np.sum(slopes**2, axis=1), 1 / NOT_FINITE)
@@ -105,10 +104,8 @@ def _fit(
 
 def _residuals(parts: Sequence[Intervals], change: Change, numbers: FloatArray) -> FloatArray:
     """Return the residuals, (S, 6), of each interval with its own parameter in `numbers`, (S,)."""
-    residuals = [
-        part.deviations([change.apply(part.base, parameter[None])])[0]
-        for part, parameter in zip(parts, numbers, strict=True)
-    ]
+    each = change.apply(parts[0].base.repeated(len(parts)), numbers[:, None])
+    residuals = [part.deviations(each[[k]])[0] for k, part in enumerate(parts)]
     return _clip(np.vstack(residuals))
 
 

@@ -55,7 +55,7 @@ class BesideMethods(Data):
         """How many residuals count as one in χ²: as many as in `intervals`."""
         return self.intervals.correlated
 
-    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
+    def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """The residuals of H hypotheses, as in `Data`, (H, S, 6).
 
         They are in units of the intervals' scale and the errors of methods together.
@@ -89,7 +89,7 @@ def within_error(
     for size in _sizes(data, errors, changes):
         found, size = _beside(data, errors, changes, most, next_term, size)
         if found is not None and found.rank <= most:
-            fitted = _fitted_size(data, errors, data.deviations([found.hypothesis]))
+            fitted = _fitted_size(data, errors, data.deviations(found.hypothesis[None]))
             if (fitted <= ROOM * np.maximum(size, data.noise)).all():
                 return found
     return None
@@ -111,7 +111,7 @@ def refitted(
     """
     of_changes = replace(data, base=found.hypothesis)
     errors = leading_errors(of_changes, [order], timestep)
-    size = root_mean_squares(data.deviations([found.hypothesis])[0] * data.scale)
+    size = root_mean_squares(data.deviations(found.hypothesis[None])[0] * data.scale)
     with_next_term = data.with_error(np.maximum(next_term * size, FITS))
     fit = Trial(BesideMethods.of(with_next_term, errors), found.changes).fit(found)
     return fit if fit.mean_square <= 1 else None
@@ -144,7 +144,8 @@ def _beside(
         search = Search(beside, changes, most, part=0.0)
         found = search.one_or_two()
         fitted = [
-            _fitted_size(data, errors, data.deviations([fit.hypothesis])) for fit in search.single
+            _fitted_size(data, errors, data.deviations(fit.hypothesis[None]))
+            for fit in search.single
         ]
         least = min(
             fitted, key=lambda one: float(np.max(one / np.maximum(size, FITS))), default=size
@@ -160,7 +161,7 @@ def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> li
     The first is the size without any change, the last is the least size that a single change
     leaves, and the one between is the geometric mean of both.
     """
-    most = _fitted_size(data, errors, data.deviations([data.base]))
+    most = _fitted_size(data, errors, data.deviations(data.base[None]))
     units = np.maximum(most, FITS)
     of_changes = []
     for one in linear(data, data.base, changes):

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .....reference.following import follow
+from .....reference.other_equations import equations_of
 from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.rotation import matrices, norms, turned, turned_back
-from ...explaining.hypothesis import as_it_is
 from ...explaining.search import LEFT
 from .intervals import states_of
 
@@ -89,7 +89,7 @@ def clamps(
     spans, starts, ends = np.diff(motion.t)[kept, None], states[kept], states[kept + 1]
     # The first sample may be recorded before or after it was clamped.
     starts[0] = start
-    equations = as_it_is(scenario).equations
+    equations = equations_of(scenario)
     unclamped = follow(equations, starts, spans)[:, 0]
     every = follow(equations, states[:-1], np.diff(motion.t)[:, None])[:, 0]
     for words, size_of, apply in CLAMPS:

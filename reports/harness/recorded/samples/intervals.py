@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from .....reference.deviations import apart
 from .....reference.following import EXACT, Integrator, follow, follow_each
-from .....reference.other_equations import OtherEquations
+from .....reference.other_equations import OtherEquations, equations_of
 from .....scenarios import FloatArray, Scenario, Trajectory
-from .....scenarios.rotation import norms, rotation_vectors
+from .....scenarios.rotation import norms
 from ...explaining.fit import Data
 from ...explaining.hypothesis import Hypothesis, as_it_is
 from .sensors import as_it_was, as_read
@@ -63,7 +64,7 @@ class Intervals(Data):
     def fastest(self) -> float:
         """The largest ‖ω‖ that a computed motion may reach, rad/s; its states are nan beyond it."""
         speeds = norms(np.vstack([self.starts, self.ends])[:, 4:])
-        return FASTER * max(float(speeds.max()), self.base.equations.rate)
+        return FASTER * max(float(speeds.max()), float(self.base.rate))
 
     @cached_property
     def of_method(self) -> FloatArray:
@@ -79,13 +80,13 @@ class Intervals(Data):
         """
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
-    def deviations(self, hypotheses: Sequence[Hypothesis]) -> FloatArray:
+    def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """The residuals of H hypotheses, as in `Data`, in units of `scale`, (H, S, 6)."""
         starts = as_it_was(hypotheses, self.starts, self.t - self.spans[:, 0])
-        steps = np.array([one.step for one in hypotheses])
+        steps = hypotheses.step
         of_method = self.integrator, steps * self.timestep, self.fastest
-        equations, spans = [one.equations for one in hypotheses], steps[:, None, None] * self.spans
-        computed = follow_each(equations, starts, spans, *of_method)[:, :, 0]
+        spans = steps[:, None, None] * self.spans
+        computed = follow_each(hypotheses, starts, spans, *of_method)[:, :, 0]
         with np.errstate(over="ignore", invalid="ignore"):
             return apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale
 
@@ -125,22 +126,6 @@ class Intervals(Data):
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
 
-def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
-    """Return the deviations of recorded states from computed ones, (..., S, 6).
-
-    They are a rotation vector from the computed to the recorded attitude, rad, and the difference
-    of ω, rad/s, both in body axes.
-
-    Parameters
-    ----------
-    computed : q, scalar first, and ω, rad/s, of one or several computations, (..., S, 7)
-    recorded : recorded q and ω, (S, 7)
-    """
-    q = np.broadcast_to(recorded[:, :4], (*computed.shape[:-1], 4)).reshape(-1, 4)
-    turned = rotation_vectors(computed[..., :4].reshape(-1, 4), q).reshape(*computed.shape[:-1], 3)
-    return np.concatenate([turned, recorded[:, 4:] - computed[..., 4:]], axis=-1)
-
-
 def root_mean_squares(differences: FloatArray) -> FloatArray:
     """Return the root mean squares of attitude, rad, and ω, rad/s, (2,).
 
@@ -161,7 +146,7 @@ def deviations_from_flow(scenario: Scenario, motion: Trajectory) -> FloatArray:
     Deviations of attitude, rad, and ω, rad/s, (n - 1, 6)
     """
     states, spans = states_of(motion), np.diff(motion.t)[:, None]
-    return apart(follow(as_it_is(scenario).equations, states[:-1], spans)[:, 0], states[1:])
+    return apart(follow(equations_of(scenario), states[:-1], spans)[:, 0], states[1:])
 
 
 def error_at_first_sample(
@@ -181,7 +166,7 @@ def error_at_first_sample(
     count = min(MOST_BEFORE, int(np.ceil(t[0] / distance)))
     if not count:
         return np.zeros(2)
-    equations, start = as_it_is(scenario).equations, scenario.start
+    equations, start = equations_of(scenario), scenario.start
     first = np.concatenate([start.q_world_body_wxyz, start.omega_body])[None]
     spans = np.full(count, t[0] / count)
     states = np.vstack([first, follow(equations, first, spans[None, 1:])[0]])
@@ -234,8 +219,8 @@ def intervals_of(
     if len(motion.t) <= FEWEST_INTERVALS:
         return None
     base = as_it_is(scenario)
-    spans, equations = np.diff(motion.t), base.equations
-    rates = np.maximum(norms(motion.omega_body), equations.rate)[:-1]
+    spans = np.diff(motion.t)
+    rates = np.maximum(norms(motion.omega_body), base.rate)[:-1]
     # A body that starts from rest has rates only later.
     rates = np.maximum(rates, LEAST_RATE * rates.max())
     kept = np.flatnonzero(spans * rates <= near)
@@ -245,7 +230,7 @@ def intervals_of(
         kept = kept[np.unique(np.linspace(0, len(kept) - 1, most).astype(int))]
     spans, rates, states = spans[kept], rates[kept], states_of(motion)
     step_lengths = np.minimum(timestep or float(np.median(spans)), spans)
-    method = _bounds(equations, states[kept], spans, rates, rates * step_lengths, order)
+    method = _bounds(base, states[kept], spans, rates, rates * step_lengths, order)
     starts, ends = states[kept], states[kept + 1]
     return Intervals(base, starts, motion.t[kept + 1], spans[:, None], ends, noise, method)
 

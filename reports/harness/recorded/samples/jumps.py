@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import chdtri, fdtri
 
+from .....reference.deviations import apart
 from .....reference.following import follow
 from .....scenarios import FloatArray
 from .....scenarios.rotation import norms, rotation_vectors
 from ...explaining.search import LEFT, SAME, SIGNIFICANCE
-from .intervals import Intervals, apart
+from .intervals import Intervals
 from .mistakes import FITS
 
 #: Most rows that may have been lost at once.
@@ -55,7 +56,7 @@ def jumps(data: Intervals, reach: int) -> list[Jump]:
     data : all intervals that turn by less than `FAR`, with the noise of recorded numbers
     reach : samples on each side of a jump at which ω is wrong, as it is computed from attitudes
     """
-    deviations = data.apart(data.base.equations)
+    deviations = data.apart(data.base)
     chi2 = np.sum((deviations / data.scale) ** 2, axis=1)
     # At either end ω is computed from samples on one side of it, and has larger errors.
     inner = range(reach, len(deviations) - reach)
@@ -123,7 +124,7 @@ def _goes_on(data: Intervals, k: int, last: int, chi2: float) -> bool:
     if not np.array_equal(data.starts[k + 1 : last + 1], data.ends[k:last]):
         return False
     spans = data.spans[k : last + 1].T
-    after = follow(data.base.equations, data.starts[[k]], spans)[0, -1]
+    after = follow(data.base, data.starts[[k]], spans)[0, -1]
     deviations = apart(after[None], data.ends[[last]])[0] / data.scale[k]
     return bool(np.sum(deviations**2) < max(chdtri(6, SIGNIFICANCE), LEFT**4 * chi2))
 
@@ -176,7 +177,7 @@ def _outlying_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
     None if the flow does not lead there, or if no attitude differs from it
     """
     spans = data.spans[first : last + 1].T
-    computed = follow(data.base.equations, data.starts[[first]], spans)[0]
+    computed = follow(data.base, data.starts[[first]], spans)[0]
     ends, scale = data.ends[first : last + 1], data.scale[first : last + 1]
     deviations = norms(apart(computed, ends)[:, :3])
     is_outlier = (deviations / scale[:, 0]) ** 2 > chdtri(3, SIGNIFICANCE)
@@ -252,7 +253,7 @@ def _time_between(data: Intervals, first: int, last: int) -> float | None:
     -------
     None if the flow does not lead there
     """
-    start, end, equations = data.starts[[first]], data.ends[[last]], data.base.equations
+    start, end, equations = data.starts[[first]], data.ends[[last]], data.base
     speeds = norms(np.vstack([start, end])[:, 4:])
     if not speeds.all():
         return None

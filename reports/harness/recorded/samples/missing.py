@@ -60,7 +60,7 @@ def missing(data: Intervals) -> list[str]:
     -------
     One sentence; none if both are wrong
     """
-    deviations = data.apart(data.base.equations)
+    deviations = data.apart(data.base)
     turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(deviations, 2, axis=1))
     mean_squares = np.mean((deviations / data.scale) ** 2, axis=0)
     if mean_squares[3:].mean() <= 1:
@@ -102,7 +102,7 @@ def _torque(data: Intervals) -> str:
 
     It is I times the missing ω', averaged over each interval, in body axes.
     """
-    base = data.base.equations
+    base = data.base
     deviations = data.apart(base) / data.spans
     torque = deviations[:, 3:] @ base.inertia.T
     omega = (data.starts[:, 4:] + data.ends[:, 4:]) / 2
@@ -124,7 +124,7 @@ def _rate(data: Intervals) -> str:
 
     It is averaged over each interval, in body axes.
     """
-    rate = data.apart(data.base.equations)[:, :3] / data.spans
+    rate = data.apart(data.base)[:, :3] / data.spans
     return _largest("a rate", data, rate, "rad/s") + _along_axes(data, rate, "rad/s")
 
 

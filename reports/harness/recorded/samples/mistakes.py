@@ -10,6 +10,7 @@ from math import pi
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from .....reference.deviations import apart
 from .....reference.following import follow
 from .....reference.other_equations import equations_of
 from .....scenarios import FloatArray, Scenario, Trajectory
@@ -18,7 +19,7 @@ from .....scenarios.rotation import conjugate, matrices, norms, rotation_vectors
 from ...explaining.changes import EULER_ANGLES, OTHER_COMPONENTS
 from ...explaining.search import LEFT
 from ..files.motion import OmegaFrame, QuaternionOrder, Reading
-from .intervals import apart, states_of
+from .intervals import states_of
 from .other_readings import equal_times, other_readings
 
 #: Turns of the exact motion, rad, over the two beginnings that are compared, and the least number

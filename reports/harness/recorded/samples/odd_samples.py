@@ -2,15 +2,16 @@
 
 import numpy as np
 
+from .....reference.deviations import apart
 from .....reference.following import follow
+from .....reference.other_equations import equations_of
 from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.rotation import conjugate, norms, rotation_vectors
-from ...explaining.hypothesis import as_it_is
 from ...explaining.search import LEFT, SAME
 from ..files.motion import Reading
 from ..files.recording import unit_of
 from .digits import CHANGES, Numbers, Shown, where
-from .intervals import NEAR, apart, deviations_from_flow, states_of
+from .intervals import NEAR, deviations_from_flow, states_of
 from .mistakes import FITS, TOO_LONG, TOO_SHORT
 
 #: Least number of samples, and least number of wrapped ones.
@@ -120,7 +121,7 @@ def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
     t, states = motion.t, states_of(motion)
     if len(t) < FEWEST or not motion.omega_body.any():
         return None
-    equations, speed = as_it_is(scenario).equations, float(norms(motion.omega_body).max())
+    equations, speed = equations_of(scenario), float(norms(motion.omega_body).max())
 
     def sizes(deviation: FloatArray) -> FloatArray:
         return norms(deviation[:, :3]) + norms(deviation[:, 3:]) / speed
@@ -200,7 +201,7 @@ def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: Flo
     ----------
     noise : errors of attitude, rad, and ω, rad/s, that need no explanation, (2,)
     """
-    equations, model, recorded = as_it_is(scenario).equations, states_of(exact), states_of(motion)
+    equations, model, recorded = equations_of(scenario), states_of(exact), states_of(motion)
     unit = np.repeat([1.0, float(norms(exact.omega_body).max()) or 1.0], 3)
     offsets = np.zeros(len(motion.t))
     given = deviation = apart(model, recorded) / unit

@@ -1,12 +1,12 @@
 """Errors of sensors as changes of how ω and the attitude are read, and the words for them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.polynomial.laguerre import laggauss
 from scipy.spatial.transform import Rotation
 
-from .....reference.following import follow
+from .....reference.following import follow, follow_each
 from .....reference.other_equations import inverse
 from .....scenarios import FloatArray
 from .....scenarios.rotation import norms, times
@@ -21,7 +21,7 @@ NODES = 4
 #: Iω + h is recorded in place of ω.
 MOMENTUM = Change(
     "momentum",
-    lambda h, _: h._replace(read=h.equations.inertia, bias=h.equations.kept),
+    lambda h, _: h.of(read=h.inertia, bias=h.kept),
     np.empty(0),
 )
 #: The entries of a matrix that hold a gyroscope's cross-axis sensitivity.
@@ -29,34 +29,37 @@ OFF_DIAGONAL = ~np.eye(3, dtype=bool)
 
 
 def _cross_axis(parameters: FloatArray) -> FloatArray:
-    """Return the matrix, (3, 3), of a gyroscope with a cross-axis sensitivity, (6,), row by row."""
-    read = np.eye(3)
-    read[OFF_DIAGONAL] = parameters
+    """Return the matrices, (H, 3, 3), of gyroscopes with cross-axis sensitivities, (H, 6).
+
+    The sensitivities are listed row by row.
+    """
+    read = np.tile(np.eye(3), (len(parameters), 1, 1))
+    read[:, OFF_DIAGONAL] = parameters
     return read
 
 
 SENSORS = (
-    Change("bias", lambda h, n: h._replace(bias=n), np.ones(3)),
-    Change("scale", lambda h, n: h._replace(read=h.read @ np.diag(1 + n)), np.ones(3)),
+    Change("bias", lambda h, n: h.of(bias=n), np.ones(3)),
+    Change("scale", lambda h, n: h.of(read=h.read * (1 + n[:, None])), np.ones(3)),
     Change(
         "axes",
-        lambda h, n: h._replace(read=h.read @ Rotation.from_rotvec(-n).as_matrix()),
+        lambda h, n: h.of(read=h.read @ Rotation.from_rotvec(-n).as_matrix()),
         np.ones(3),
     ),
-    Change("lag", lambda h, n: h._replace(lag=n[0]), np.ones(1)),
-    Change("drift", lambda h, n: h._replace(drift=n), np.ones(3)),
-    Change("turned attitude", lambda h, n: h._replace(turned=n), np.ones(3)),
-    Change("delay", lambda h, n: h._replace(delay=n[0]), np.ones(1)),
+    Change("lag", lambda h, n: h.of(lag=n[:, 0]), np.ones(1)),
+    Change("drift", lambda h, n: h.of(drift=n), np.ones(3)),
+    Change("turned attitude", lambda h, n: h.of(turned=n), np.ones(3)),
+    Change("delay", lambda h, n: h.of(delay=n[:, 0]), np.ones(1)),
 )
 #: A gyroscope's cross-axis sensitivity. Its six parameters can be told from those of other mistakes
 #: only if there is no noise.
-CROSS_AXIS = Change("cross-axis", lambda h, n: h._replace(read=h.read @ _cross_axis(n)), np.ones(6))
+CROSS_AXIS = Change("cross-axis", lambda h, n: h.of(read=h.read @ _cross_axis(n)), np.ones(6))
 #: Filters of ω. They are not undone, as what they suppress is lost.
 FILTERS = (
-    Change("low-pass", lambda h, n: h._replace(low_pass=n[0]), np.ones(1)),
+    Change("low-pass", lambda h, n: h.of(low_pass=n[:, 0]), np.ones(1)),
     Change(
         "low-pass from the start",
-        lambda h, n: h._replace(low_pass=n[0], is_begun=True),
+        lambda h, n: h.of(low_pass=n[:, 0], is_begun=1.0),
         np.ones(1),
     ),
 )
@@ -122,7 +125,7 @@ def of_sensor(
     return words.format(in_words(shown, factor)) + ", as in degrees" * bool(in_degrees)
 
 
-def as_read(hypotheses: Sequence[Hypothesis], states: FloatArray, t: FloatArray) -> FloatArray:
+def as_read(hypotheses: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
     """Return the states of H hypotheses as their sensors read them, (H, S, 7).
 
     Parameters
@@ -130,21 +133,22 @@ def as_read(hypotheses: Sequence[Hypothesis], states: FloatArray, t: FloatArray)
     states : the actual q, scalar first, and ω, rad/s, body axes, (H, S, 7)
     t : s, (S,)
     """
-    read = states.copy()
-    for h, actual, output in zip(hypotheses, states, read, strict=True):
-        if h.lag:
-            output[:, 4:] = _propagated(h, actual, -h.lag)[:, 4:]
-        if h.low_pass:
-            output[:, 4:] = _filtered(h, actual, t)
-        if h.delay:
-            output[:, :4] = _propagated(h, actual, -h.delay)[:, :4]
-        output[:, :4] = _turned(output[:, :4], h.turned)
-    by = np.stack([one.read for one in hypotheses])
-    read[..., 4:] = read[..., 4:] @ np.swapaxes(by, 1, 2) + _bias_and_drift(hypotheses, t)
+    read, lag, delay = states.copy(), hypotheses.lag, hypotheses.delay
+    if lag.any():
+        at = lag != 0
+        read[at, :, 4:] = _propagated(hypotheses[at], states[at], -lag[at])[..., 4:]
+    for k in np.flatnonzero(hypotheses.low_pass):
+        read[k, :, 4:] = _filtered(hypotheses[k], states[k], t)
+    if delay.any():
+        at = delay != 0
+        read[at, :, :4] = _propagated(hypotheses[at], states[at], -delay[at])[..., :4]
+    _turn(read, hypotheses.turned)
+    by = np.swapaxes(hypotheses.read, 1, 2)
+    read[..., 4:] = read[..., 4:] @ by + _bias_and_drift(hypotheses, t)
     return read
 
 
-def as_it_was(hypotheses: Sequence[Hypothesis], read: FloatArray, t: FloatArray) -> FloatArray:
+def as_it_was(hypotheses: Hypothesis, read: FloatArray, t: FloatArray) -> FloatArray:
     """Return the actual states if the sensors of H hypotheses read the given ones, (H, S, 7).
 
     This is the inverse of `as_read`, except that filters are not undone. States are not finite
@@ -155,30 +159,37 @@ def as_it_was(hypotheses: Sequence[Hypothesis], read: FloatArray, t: FloatArray)
     read : q, scalar first, and ω, rad/s, body axes, as they were read, (S, 7)
     t : s, (S,)
     """
-    by = np.stack([inverse(one.read) for one in hypotheses])
-    states = np.tile(read, (len(hypotheses), 1, 1))
-    states[..., 4:] = (read[:, 4:] - _bias_and_drift(hypotheses, t)) @ np.swapaxes(by, 1, 2)
-    for h, true in zip(hypotheses, states, strict=True):
-        true[:, :4] = _turned(true[:, :4], -h.turned)
-        if h.lag:
-            true[:, 4:] = _propagated(h, true, h.lag)[:, 4:]
-        if h.delay:
-            before = _propagated(h, true, -h.delay)
-            true[:, :4] = _propagated(h, np.hstack([true[:, :4], before[:, 4:]]), h.delay)[:, :4]
+    states, lag, delay = np.tile(read, (len(hypotheses), 1, 1)), hypotheses.lag, hypotheses.delay
+    by = np.swapaxes(inverse(hypotheses.read), 1, 2)
+    states[..., 4:] = (read[:, 4:] - _bias_and_drift(hypotheses, t)) @ by
+    _turn(states, -hypotheses.turned)
+    if lag.any():
+        at = lag != 0
+        states[at, :, 4:] = _propagated(hypotheses[at], states[at], lag[at])[..., 4:]
+    if delay.any():
+        at = delay != 0
+        before = _propagated(hypotheses[at], states[at], -delay[at])
+        before[..., :4] = states[at, :, :4]
+        states[at, :, :4] = _propagated(hypotheses[at], before, delay[at])[..., :4]
     return states
 
 
-def _bias_and_drift(hypotheses: Sequence[Hypothesis], t: FloatArray) -> FloatArray:
-    """Return what bias and drift add to ω as it is read at times t, s, (S,), rad/s, (H, S, 3)."""
-    added = np.stack([(one.bias, one.drift) for one in hypotheses])[:, :, None]
-    return np.asarray(added[:, 0] + t[:, None] * added[:, 1])
+def _bias_and_drift(hypotheses: Hypothesis, t: FloatArray) -> FloatArray:
+    """Return what bias and drift add to ω as it is read at times t, s, (S,).
+
+    Returns
+    -------
+    rad/s, (H, S, 3); (H, 1, 3) if there is no drift
+    """
+    added, drift = hypotheses.bias[:, None], hypotheses.drift[:, None]
+    return np.asarray(added + t[:, None] * drift) if drift.any() else added
 
 
-def _turned(q: FloatArray, turn: FloatArray) -> FloatArray:
-    """Return attitudes, scalar first, (S, 4), of axes turned in the body by a rotation vector."""
-    if not turn.any():
-        return q
-    return q @ times(Rotation.from_rotvec(turn).as_quat(scalar_first=True))
+def _turn(states: FloatArray, turns: FloatArray) -> None:
+    """Turn the attitudes of states, (H, S, 7), in the body by rotation vectors, rad, (H, 3)."""
+    for k in np.flatnonzero(turns.any(axis=1)):
+        of_turn = Rotation.from_rotvec(turns[k]).as_quat(scalar_first=True)
+        states[k, :, :4] = states[k, :, :4] @ times(of_turn)
 
 
 def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
@@ -188,23 +199,30 @@ def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> Floa
 
     Parameters
     ----------
+    hypothesis : one hypothesis
     states : q, scalar first, and the actual ω, (S, 7)
     t : s, (S,)
     """
-    time_constant = hypothesis.low_pass
+    time_constant = float(hypothesis.low_pass)
     if not 0 <= time_constant * norms(states[:, 4:]).max() < FURTHEST:
         return np.full((len(states), 3), np.nan)
     nodes, weights = laggauss(NODES)
     spans = np.tile(-time_constant * np.diff(nodes, prepend=0.0), (len(states), 1))
-    past = follow(hypothesis.equations, states, spans)[..., 4:]
+    past = follow(hypothesis, states, spans)[..., 4:]
     output = np.asarray(weights @ past)
     if hypothesis.is_begun and time_constant:
         output += np.exp((t[0] - t) / time_constant)[:, None] * (states[0, 4:] - output[0])
     return output
 
 
-def _propagated(hypothesis: Hypothesis, states: FloatArray, by: float) -> FloatArray:
-    """Return states, (S, 7), as they are `by` s later; nan if the body turns too far by then."""
-    if not abs(by) * norms(states[:, 4:]).max() < FURTHEST:
-        return np.full_like(states, np.nan)
-    return follow(hypothesis.equations, states, np.full((len(states), 1), by))[:, 0]
+def _propagated(hypotheses: Hypothesis, states: FloatArray, by: FloatArray) -> FloatArray:
+    """Return states of H hypotheses, (H, S, 7), as they are `by` s, (H,), later.
+
+    They are nan for a hypothesis with which the body turns too far by then.
+    """
+    speeds = np.linalg.norm(states[..., 4:], axis=-1).max(axis=-1)
+    is_near = np.abs(by) * speeds < FURTHEST
+    spans = np.where(is_near, by, 0.0)[:, None, None] * np.ones((states.shape[1], 1))
+    ends = follow_each(hypotheses, states, spans)[:, :, 0]
+    ends[~is_near] = np.nan
+    return ends

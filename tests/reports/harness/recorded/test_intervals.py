@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from planted_motions import case, exactly, rates_of
 from scipy.stats import chi2
+from spincheck.reports.harness.explaining.hypothesis import Hypothesis
 from spincheck.reports.harness.explaining.search import SIGNIFICANCE
 from spincheck.reports.harness.recorded.fits.log import log_of
 from spincheck.reports.harness.recorded.fits.other_physics import Physics
@@ -46,7 +47,7 @@ def test_numbers_count_as_one_as_far_as_they_are_a_methods_error(part: float) ->
     data = of_parts(part)
     count = data.scale.size
     assert data.correlated == pytest.approx((1 - part) * 1 + part * count)
-    before = np.ones(data.scale.shape)
+    before = np.ones(data.scale.size)
     assert data.chi2_decrease(before, 0 * before) == pytest.approx(count / data.correlated)
 
 
@@ -70,9 +71,9 @@ def test_residuals_of_far_too_high_and_low_gains_are_finite_and_warn_of_nothing(
     log = log_of(ONE.scenario, MOTION, MOTION, np.full(2, SIZE), **has)
     mixed = np.array([[1.0, -1, 0], [1, 1, 1], [0, 1, -1]])
     for data in log, of_parts(0.0):
-        pushed = data.base.of(torque=np.ones(3))
-        gains = [pushed._replace(read=gain * mixed) for gain in (1e306, 1e-306)]
-        as_it_is, *off = data.residuals([data.base, *gains])
+        gains = [gain * mixed for gain in (1e306, 1e-306)]
+        pushed = data.base.of(torque=np.ones(3)).repeated(2).of(read=gains)
+        as_it_is, *off = data.residuals(Hypothesis.joined([data.base[None], pushed]))
         assert np.abs(as_it_is).max() < 1
         assert np.isfinite(off).all()
         assert np.abs(off).max() > 1

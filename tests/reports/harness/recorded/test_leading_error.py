@@ -65,7 +65,7 @@ def intervals(one: object, arrays: Arrays) -> Intervals:
     motion = recorded_motion(one.scenario, recording, reading_of(recording), exact).trajectory
     data = intervals_of(one.scenario, motion, None, 1, np.full(2, 1e-13), most=60)
     assert data is not None
-    return data.with_error(root_mean_squares(data.apart(data.base.equations)))
+    return data.with_error(root_mean_squares(data.apart(data.base)))
 
 
 def test_there_are_as_many_trees_as_in_the_literature() -> None:
@@ -92,7 +92,8 @@ def test_the_coefficients_of_explicit_euler_are_one_half() -> None:
     errors = leading_errors(data, [1], float(data.spans[0, 0]) / 10)
     columns = (errors / data.scale).reshape(len(errors), -1).T
     seen = np.linalg.norm(columns, axis=0) > LEFT**2 * np.linalg.norm(columns, axis=0).max()
-    best = np.linalg.lstsq(columns[:, seen], data.deviations([data.base]).ravel(), rcond=None)[0]
+    residuals = data.deviations(data.base[None]).ravel()
+    best = np.linalg.lstsq(columns[:, seen], residuals, rcond=None)[0]
     assert best == pytest.approx(-0.5, abs=0.02)
 
 

@@ -16,8 +16,8 @@ ONE = case(151)
 
 
 def test_an_omega_that_tells_nothing_of_the_body_is_of_no_state() -> None:
-    blind = as_it_is(ONE.scenario)._replace(read=np.diag([1.0, 1.0, 0.0]))
-    assert np.isnan(as_it_was([blind], np.ones((2, 7)), np.zeros(2))[..., 4:]).all()
+    blind = as_it_is(ONE.scenario).of(read=np.diag([1.0, 1.0, 0.0]))
+    assert np.isnan(as_it_was(blind[None], np.ones((2, 7)), np.zeros(2))[..., 4:]).all()
 
 
 def test_a_body_has_no_moment_beyond_the_sum_of_the_others() -> None:
@@ -33,7 +33,7 @@ def test_only_a_fitted_tensor_need_be_of_a_body(kind: str) -> None:
     change = next(one for one in changes(ONE.scenario) if one.kind == kind)
     thin = np.diag([1.0, 2.0, 9.0])
     base = as_it_is(ONE.scenario)
-    of_it = base.of_tensor(thin) if "box" in kind else base.of(gyroscopic=thin)
+    of_it = base.with_inertia(thin) if "box" in kind else base.of(gyroscopic=thin)
     numbers = np.empty(0), np.empty((0, 0)), np.empty(0), 0, np.empty((0, 0))
     assert not Fit((change,), of_it, *numbers).is_physical
     assert Fit((), of_it, *numbers).is_physical

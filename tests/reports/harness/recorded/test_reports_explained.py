@@ -288,13 +288,13 @@ def test_one_change_among_a_hundred_must_be_a_hundred_times_less_likely_by_chanc
 ) -> None:
     """The fall of χ² is between what is called for of one change, and of a hundred."""
     base = as_it_is(BODY.scenario)
-    (drag,) = resistance(BODY.scenario, base.equations)
+    (drag,) = resistance(BODY.scenario, base)
     starts = np.tile([1.0, 0.0, 0.0, 0.0, 0.5, 1.0, 2.0], (12, 1))
     spans = np.linspace(0.01, 0.2, 12)[:, None]
-    ends = follow(drag.apply(base, np.array([1e-3])).equations, starts, spans)[:, 0]
+    ends = follow(drag.apply(base[None], np.array([[1e-3]]))[0], starts, spans)[:, 0]
     fall = chi2.isf(SIGNIFICANCE / 10, 1)
     exact = Intervals(base, starts, spans[:, 0], spans, ends, np.ones(2), np.zeros((12, 2)))
-    noise = np.full(2, np.linalg.norm(exact.apart(base.equations)) / np.sqrt(fall))
+    noise = np.full(2, np.linalg.norm(exact.apart(base)) / np.sqrt(fall))
     others = [] if is_alone else [Change("sphere", lambda h, _: h, np.empty(0))] * 99
     found = Search(replace(exact, noise=noise), [drag, *others]).one_or_two()
     assert (found is not None) == is_alone

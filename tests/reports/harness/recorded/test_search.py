@@ -49,19 +49,20 @@ class Parabola(Data):
     def beginnings(self) -> Sequence[Data]:
         return (*(replace(self, wanted=self.wanted[:count]) for count in (4, 16)), self)
 
-    def deviations(self, hypotheses: Sequence[Hypothesis]) -> np.ndarray:
+    def deviations(self, hypotheses: Hypothesis) -> np.ndarray:
         x = np.arange(len(self.wanted))
-        factors = np.array([[one.step - 1, one.velocity - 1, one.braking] for one in hypotheses])
+        h = hypotheses
+        factors = np.stack([h.step - 1, h.velocity - 1, h.braking], axis=1)
         return factors @ np.array([x**0, x, x**2]) - self.wanted
 
 
-CONSTANT = Change("step", lambda h, n: h._replace(step=h.step + n[0]), np.ones(1))
-SLOPE = Change("velocity", lambda h, n: h._replace(velocity=h.velocity + n[0]), np.ones(1))
-SQUARE = Change("braking", lambda h, n: h._replace(braking=h.braking + n[0]), np.ones(1))
+CONSTANT = Change("step", lambda h, n: h.of(step=h.step + n[:, 0]), np.ones(1))
+SLOPE = Change("velocity", lambda h, n: h.of(velocity=h.velocity + n[:, 0]), np.ones(1))
+SQUARE = Change("braking", lambda h, n: h.of(braking=h.braking + n[:, 0]), np.ones(1))
 EVERY = Change(
     "all three",
-    lambda h, n: h._replace(
-        step=h.step + n[0], velocity=h.velocity + n[1], braking=h.braking + n[2]
+    lambda h, n: h.of(
+        step=h.step + n[:, 0], velocity=h.velocity + n[:, 1], braking=h.braking + n[:, 2]
     ),
     np.ones(3),
 )

@@ -1,0 +1,44 @@
+"""The deviations of states from others, compiled: fits compute them for many motions at once."""
+
+import math
+
+import numpy as np
+
+from ..scenarios import FloatArray
+from .kernel import kernel
+
+
+def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
+    """Return the deviations of recorded states from computed ones, (..., S, 6).
+
+    They are a rotation vector from the computed to the recorded attitude, rad, and the difference
+    of ω, rad/s, both in body axes.
+
+    Parameters
+    ----------
+    computed : q, scalar first, and ω, rad/s, of one or several computations, (..., S, 7)
+    recorded : recorded q and ω, (S, 7)
+    """
+    off = np.empty((*computed.shape[:-1], 6))
+    each = np.ascontiguousarray(computed).reshape(-1, *recorded.shape)
+    _fill(each, np.ascontiguousarray(recorded), off.reshape(*each.shape[:2], 6))
+    return off
+
+
+@kernel
+def _fill(computed: FloatArray, recorded: FloatArray, off: FloatArray) -> None:
+    """Write the deviations of S recorded states, (S, 7), from H computations into `off`."""
+    for n in range(computed.shape[0]):
+        for s in range(computed.shape[1]):
+            a, b = computed[n, s], recorded[s]
+            # The quaternion conj(a) b.
+            w = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+            x = a[0] * b[1] - b[0] * a[1] - (a[2] * b[3] - a[3] * b[2])
+            y = a[0] * b[2] - b[0] * a[2] - (a[3] * b[1] - a[1] * b[3])
+            z = a[0] * b[3] - b[0] * a[3] - (a[1] * b[2] - a[2] * b[1])
+            sine = math.sqrt(x * x + y * y + z * z)
+            # For no rotation the vector is zero, whatever the factor is.
+            factor = math.copysign(2 * math.atan2(sine, abs(w)), w) / (sine if sine != 0.0 else 1.0)
+            off[n, s, 0], off[n, s, 1], off[n, s, 2] = factor * x, factor * y, factor * z
+            for i in range(3):
+                off[n, s, 3 + i] = b[4 + i] - a[4 + i]

@@ -1,0 +1,94 @@
+"""Rows of named numbers: scalars, vectors and matrices, of one object or of many at once.
+
+All numbers of an object are one row of an array, so that compiled code takes the array as it is,
+and one expression in Python computes with a number of many objects.
+"""
+
+from collections.abc import Sequence
+from math import prod
+from typing import Any, Self, overload
+
+import numpy as np
+
+from ..scenarios import FloatArray
+
+
+class Entry:
+    """A scalar, vector or matrix in the rows of a class: read as an attribute of `Rows`.
+
+    Attributes
+    ----------
+    shape : its shape; () of a scalar
+    first, last : index of its first number in a row, and of the number after its last one
+    """
+
+    def __init__(self, *shape: int) -> None:
+        self.shape = shape
+        self.first = self.last = 0
+
+    def __set_name__(self, owner: type["Rows"], name: str) -> None:
+        """Place the entry after the entries that the class has so far."""
+        self.first, self.last = owner.count, owner.count + prod(self.shape)
+        owner.count = self.last
+
+    @overload
+    def __get__(self, rows: None, owner: type["Rows"]) -> "Entry": ...
+
+    @overload
+    def __get__(self, rows: "Rows", owner: type["Rows"]) -> FloatArray: ...
+
+    def __get__(self, rows: "Rows | None", owner: type["Rows"]) -> "Entry | FloatArray":
+        """Return the entry of one object, of `shape`, or of H objects, (H, ...)."""
+        if rows is None:
+            return self
+        numbers = rows.numbers[..., self.first : self.last]
+        return numbers.reshape(numbers.shape[:-1] + self.shape)
+
+
+class Rows:
+    """The numbers of one object, or of H objects at once; a subclass names them by `Entry`.
+
+    Attributes
+    ----------
+    count : how many numbers an object has
+    numbers : all numbers of one object, (count,), or of H objects, (H, count)
+    """
+
+    count = 0
+    __slots__ = ("numbers",)
+
+    def __init__(self, numbers: FloatArray) -> None:
+        self.numbers = numbers
+
+    def __len__(self) -> int:
+        """The number of objects, H."""
+        return len(self.numbers)
+
+    def __getitem__(self, which: Any) -> Self:
+        """Some of the H objects, or one of them, by an index of numpy's."""
+        return type(self)(self.numbers[which])
+
+    def of(self, **entries: Any) -> Self:
+        """The same objects, but for some entries.
+
+        Parameters
+        ----------
+        entries : new values by the names of entries: one value for all objects, with the shape of
+            the entry, or one for each of H objects, (H, ...)
+        """
+        numbers = self.numbers.copy()
+        for name, value in entries.items():
+            entry = getattr(type(self), name)
+            value = np.asarray(value, dtype=float)
+            of_each = value.shape[: value.ndim - len(entry.shape)]
+            numbers[..., entry.first : entry.last] = value.reshape((*of_each, -1))
+        return type(self)(numbers)
+
+    def repeated(self, count: int) -> Self:
+        """A number of copies of one object."""
+        return type(self)(np.tile(self.numbers, (count, 1)))
+
+    @classmethod
+    def joined(cls, every: Sequence[Self]) -> Self:
+        """The objects of several rows, one after another."""
+        return cls(np.concatenate([one.numbers for one in every]))
