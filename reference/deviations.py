@@ -20,8 +20,9 @@ def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
     recorded : recorded q and ω, (S, 7)
     """
     off = np.empty((*computed.shape[:-1], 6))
-    each = np.ascontiguousarray(computed).reshape(-1, *recorded.shape)
-    _fill(each, np.ascontiguousarray(recorded), off.reshape(*each.shape[:2], 6))
+    shape = math.prod(computed.shape[:-2]), len(recorded)
+    each = np.ascontiguousarray(computed).reshape(*shape, 7)
+    _fill(each, np.ascontiguousarray(recorded), off.reshape(*shape, 6))
     return off
 
 

@@ -51,7 +51,8 @@ def reason_in_words(
     parts: list[str] = []
     if word == "disagrees":
         parts += [fault_in_words(one.fault) for one in (steps, own_steps) if one and one.fault]
-        parts += [_replay(one) for one in replays if one.is_wrong]
+        # Replays of several timesteps may show the same.
+        parts += dict.fromkeys(_replay(one) for one in replays if one.is_wrong)
         if steps and steps.is_of_low_order:
             orders = f"order {steps.order}, though {steps.declared} is declared"
             parts.append(f"what steps gain vanishes with the timestep at {orders}")

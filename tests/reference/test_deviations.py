@@ -24,5 +24,9 @@ def test_a_quaternion_and_its_negative_are_one_attitude_and_several_motions_are_
     assert not both.any()
 
 
+def test_of_no_states_there_are_none():
+    assert apart(STATES[:0], STATES[:0]).shape == (0, 6)
+
+
 def test_what_is_not_finite_stays_so():
     assert np.isnan(apart(np.full((1, 7), np.nan), STATES[:1])).all()

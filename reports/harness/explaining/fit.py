@@ -72,8 +72,8 @@ class Data(ABC):
         return (self,)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """The decrease of χ² from the residuals before a change, (m,), to those after it, (m,)."""
-        return float(self.chi2_decreases(before, after[None])[0])
+        """The decrease of χ² from the residuals before a change to those after it, both (...)."""
+        return float(self.chi2_decreases(before.ravel(), after.reshape(1, -1))[0])
 
     def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:
         """The decreases of χ² from the residuals before M changes, (m,), to those after, (M, m)."""

@@ -118,9 +118,9 @@ def published_table(scenario: Scenario) -> Table | None:
             "t, s": figure(f"{value.published.t:g}"),
             "printed": figure(_components(value.printed)),
             "ours": figure(_components(value.ours)),
-            "difference": figure(number(value.difference)),
+            "difference": figure(number(value.difference) if value.is_known else NOTHING),
             "tolerance": figure(number(value.published.tolerance)),
-            "": holds[value.holds],
+            "": holds[value.holds] if value.is_known else Cell("the exact motion ends before"),
             "source": value.published.source,
         }
         for value in published_values(scenario)

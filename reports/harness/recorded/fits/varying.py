@@ -63,7 +63,7 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
     for change in single:
         numbers, rest = _fit(data, parts, change, unchanged)
         square = float(np.mean(rest**2))
-        decrease = data.chi2_decrease(unchanged.ravel(), rest.ravel())
+        decrease = data.chi2_decrease(unchanged, rest)
         if square <= enough and (square <= exactly or decrease > by_chance):
             found.append((square, change, numbers, rest))
     best = min((square for square, *_ in found), default=0.0)

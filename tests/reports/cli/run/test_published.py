@@ -108,6 +108,8 @@ def test_a_value_after_the_end_of_the_exact_motion_is_not_compared_with_another_
     done = spincheck("check", str(path))
     assert done.returncode == 3
     assert "3 in 'a book' cannot be compared: the exact motion is not known" in done.stderr
+    (row,) = published_table(load(path)).rows
+    assert (row[4].text, row[6].text) == ("—", "the exact motion ends before")
 
 
 def test_a_page_has_a_dash_for_a_component_that_nobody_printed(tmp_path):

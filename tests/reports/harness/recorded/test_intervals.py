@@ -47,7 +47,7 @@ def test_numbers_count_as_one_as_far_as_they_are_a_methods_error(part: float) ->
     data = of_parts(part)
     count = data.scale.size
     assert data.correlated == pytest.approx((1 - part) * 1 + part * count)
-    before = np.ones(data.scale.size)
+    before = np.ones(data.scale.shape)
     assert data.chi2_decrease(before, 0 * before) == pytest.approx(count / data.correlated)
 
 
