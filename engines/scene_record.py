@@ -6,13 +6,14 @@ docs/reference/engine-protocol.md.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 from spincheck.engine import BodyReading, FloatArray, Rotor, Scenario, State, composed, start_state
 
-from ..scenarios.rotation import cross, matrices, times, turned, turned_back
+from ..scenarios.rotation import cross, matrices, matrix, times, turned, turned_back
 from .models.principal_frame import principal_frame
 
 #: The keys of a record and what they hold, as scripts say it in a comment.
@@ -97,7 +98,12 @@ class RecordFrame:
         point = whole - scenario.constraint.lever
         return cls(Rotation.from_quat(axes, scalar_first=True), scenario.carrier.com, point, whole)
 
-    @property
+    @cached_property
+    def _axes_after(self) -> FloatArray:
+        """The matrix M, (4, 4), with q M the record's attitude of a body's attitude q, w x y z."""
+        return times(self.body_from_axes.as_quat(scalar_first=True))
+
+    @cached_property
     def _lag_body(self) -> FloatArray:
         """Vector to the com without rotors from the com with them, m, body axes, (3,)."""
         return self.com_body - self.whole_body
@@ -108,15 +114,18 @@ class RecordFrame:
         `q` is the attitude of the record's axes, and vectors are along world axes. Com and velocity
         are those of the body without rotors.
         """
-        world_from_body = Rotation.from_quat(state.q_world_body_wxyz, scalar_first=True)
+        q_world_body, omega_body = state.q_world_body_wxyz, state.omega_body
+        # An engine's own quaternions may be off from unit length.
+        q_world_body = q_world_body / np.sqrt(q_world_body @ q_world_body)
+        R_world_body = matrix(q_world_body)
         com_world, velocity_world = state.com_world, state.velocity_world
         if self._lag_body.any():
-            com_world = com_world + world_from_body.apply(self._lag_body)
-            swing_body = cross(state.omega_body, self._lag_body)
-            velocity_world = velocity_world + world_from_body.apply(swing_body)
+            com_world = com_world + R_world_body @ self._lag_body
+            swing_body = cross(omega_body, self._lag_body)
+            velocity_world = velocity_world + R_world_body @ swing_body
         motion = {
-            "q": _numbers((world_from_body * self.body_from_axes).as_quat(scalar_first=True)),
-            "omega": _numbers(world_from_body.apply(np.array(state.omega_body))),
+            "q": (q_world_body @ self._axes_after).tolist(),
+            "omega": (R_world_body @ omega_body).tolist(),
             "com": _numbers(com_world),
             "velocity": _numbers(velocity_world),
         }
