@@ -120,9 +120,7 @@ def equations_of(scenario: Scenario) -> OtherEquations:
         turning=np.eye(3),
         kept=scenario.kept_body(scenario.kept_at_start),
         gravity_world=scenario.gravity_world,
-        pull=scenario.body.mass * np.array(constraint.lever)
-        if constraint.is_pivot
-        else np.zeros(3),
+        pull=scenario.body.mass * np.array(constraint.lever) * constraint.is_pivot,
         torque=pushed["torque_body"],
         torque_world=pushed["torque_world"],
         slowing=[pushed["drag"], 0.0, 0.0],

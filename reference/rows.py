@@ -55,7 +55,6 @@ class Rows:
     """
 
     count = 0
-    __slots__ = ("numbers",)
 
     def __init__(self, numbers: FloatArray) -> None:
         self.numbers = numbers

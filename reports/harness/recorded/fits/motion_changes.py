@@ -1,5 +1,7 @@
 """The changes of equations or readings that may explain a recorded motion, and their words."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from .....reference.other_equations import KEPT_IN_WORLD, equations_of, inverse
@@ -59,6 +61,7 @@ OTHER_SIGNS = [_reversed_rate(axis) for axis in range(3)]
 LOCKED = [_locked_axis(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
 
 
+@lru_cache(1)
 def changes_of_motion(scenario: Scenario) -> tuple[Change, ...]:
     """Return every change with which a motion of a scene may have been computed or read."""
     scene = scenario, equations_of(scenario)

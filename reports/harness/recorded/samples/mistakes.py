@@ -52,6 +52,18 @@ RATES = {
     "half of what it should be": 2.0,
     "twice what it should be": 0.5,
 }
+#: What may be wrong with the order and signs of the columns of ω, in words, and the columns and
+#: signs that correct it.
+COLUMNS = [
+    (
+        "ω is [{}] of its columns".format(
+            ", ".join(f"{'-' * (one < 0)}w{' xyz'[abs(one)]}" for one in components)
+        ),
+        np.abs(components) - 1,
+        np.sign(components),
+    )
+    for components in OTHER_COMPONENTS
+]
 #: Reflections that make right-handed axes, of the world and of the body, left-handed; in words.
 LEFT_HANDED = {
     **{f"with {axis} reversed": np.diag(1.0 - 2.0 * np.eye(3)[k]) for k, axis in enumerate("xyz")},
@@ -80,9 +92,12 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         words: list[str], one: Reading, original: Reading = given
     ) -> Iterator[_Correction]:
         fewest = max(FEWEST_LEFT, len(original.t) - LEFT_OUT)
-        for word, other in _corrections(one, scenario) if len(one.t) >= fewest else ():
-            if len(other.t) >= fewest:
-                yield [*words, word], other
+        if len(one.t) >= fewest:
+            # Where attitudes are wrong, no other ω makes up for it.
+            is_right = beginning.error_of_attitude(one) < LEFT
+            for word, other in _corrections(one, scenario, is_right=is_right):
+                if len(other.t) >= fewest:
+                    yield [*words, word], other
 
     best = beginning.better(corrected([], given), ([], given))
     if not best[0]:
@@ -214,6 +229,15 @@ class _Beginning:
             )
         return self._attitude_errors[key]
 
+    def error_of_attitude(self, reading: Reading) -> float:
+        """Return the largest error in attitude, relative to the turn; infinite if unknown.
+
+        It is unknown if the times are so long that the exact motion is not computed.
+        """
+        if (reading.t[-1] - self.begins_at) * self.fastest > FURTHEST:
+            return np.inf
+        return self.turned(reading.q, reading.t)
+
     def error(self, reading: Reading, enough: float = np.inf) -> float:
         """Return the largest relative error in attitude, ω and spins; infinite if unknown.
 
@@ -224,10 +248,8 @@ class _Beginning:
         ----------
         enough : if the error in attitude is as large as that, ω and spins are not compared
         """
-        if (reading.t[-1] - self.begins_at) * self.fastest > FURTHEST:
-            return np.inf
-        deviations = [self.turned(reading.q, reading.t)]
-        if deviations[0] >= enough:
+        deviations = [self.error_of_attitude(reading)]
+        if deviations[0] >= enough or deviations[0] == np.inf:
             return deviations[0]
         (states, speed, _), omega = self.at(reading.t), reading.omega_body
         if omega is not None:
@@ -302,8 +324,16 @@ def _samples_until(exact: Trajectory, turn: float) -> int:
     return max(FEWEST + LEFT_OUT, int(np.searchsorted(turned, turn)) + 1)
 
 
-def _corrections(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Reading]]:
-    """Yield each mistake that is tried, in words, and the reading corrected for it."""
+def _corrections(
+    reading: Reading, scenario: Scenario, *, is_right: bool = True
+) -> Iterator[tuple[str, Reading]]:
+    """Yield each mistake that is tried, in words, and the reading corrected for it.
+
+    Parameters
+    ----------
+    is_right : whether attitudes and times may be right as they are. If not, mistakes of ω and
+        spins alone are not tried
+    """
     other: QuaternionOrder = "xyzw" if reading.order == "wxyz" else "wxyz"
     letters = " ".join(other)
     swapped = np.roll(reading.q, 1 if other == "xyzw" else -1, axis=1)
@@ -332,8 +362,10 @@ def _corrections(reading: Reading, scenario: Scenario) -> Iterator[tuple[str, Re
         omega = None if reading.omega is None else -reading.omega @ mirror
         yield f"its axes are left-handed, {which}", reading._replace(q=q, omega=omega)
     if reading.omega is not None:
-        yield from _of_omega(reading, reading.omega)
-    if reading.spins is not None:
+        if is_right:
+            yield from _of_omega(reading, reading.omega)
+        yield from _of_other_samples(reading, reading.omega)
+    if reading.spins is not None and is_right:
         yield from _of_spins(reading, reading.spins, scenario)
 
 
@@ -381,10 +413,8 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
     yield "ω has the opposite sign", reading._replace(omega=-omega)
     for words, factor in RATES.items():
         yield f"ω is {words}", reading._replace(omega=omega * factor)
-    for components in OTHER_COMPONENTS:
-        columns = ", ".join(f"{'-' * (one < 0)}w{' xyz'[abs(one)]}" for one in components)
-        picked = omega[:, np.abs(components) - 1] * np.sign(components)
-        yield f"ω is [{columns}] of its columns", reading._replace(omega=picked)
+    for words, columns, signs in COLUMNS:
+        yield words, reading._replace(omega=omega[:, columns] * signs)
     for axes in EULER_ANGLES:
         of_angles = "".join("xyz"[axis] for axis in axes)
         omega_world = _of_rates(matrices(reading.q), omega, axes)
@@ -392,7 +422,13 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
             f"ω is the rates of Euler angles {of_angles}",
             reading._replace(omega=omega_world, frame="world"),
         )
-    # Each attitude is paired with the ω of its own time; the sample at one end has none.
+
+
+def _of_other_samples(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
+    """Yield each mistake by which ω is that of another time, and the reading corrected for it.
+
+    Each attitude is paired with the ω of its own time; the sample at one end has none.
+    """
     earlier, later = slice(None, -1), slice(1, None)
     for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
         kept = reading.rows(own)
