@@ -67,7 +67,8 @@ def _decays(numbers: Sequence[float]) -> str:
 def _power(numbers: Sequence[float]) -> str:
     """Return the words for a drag torque: its size, N m, at 1 rad/s, times a power of ‖ω‖."""
     size, power = numbers
-    return f"{size:.4g} ‖ω‖^{round(power, DIGITS) + 0.0:.4g}"
+    rounded = round(power, DIGITS) + 0.0
+    return f"{size:.4g} ‖ω‖^{rounded:.4g} N m" if rounded else f"dry friction of {size:.4g} N m"
 
 
 def _rotors(numbers: Sequence[float]) -> str:
@@ -394,7 +395,7 @@ KINDS = {
     ),
     "decay": Kind("L were {} /s", 1, _slowed),
     "decay for drag": Kind("L were {} /s, in place of the drag", 1, _slowed),
-    "drag's law": Kind("drag were {} N m", 2, _power),
+    "drag's law": Kind("drag were {}", 2, _power),
     "drag along each axis": Kind("the drag along the body's axes were {} N m s", 3, _fitted_vector),
     "drag of ω in the world": Kind("the drag along body axes were against ω along world axes"),
     "drag turned back": Kind("the drag along world axes were against ω along body axes"),

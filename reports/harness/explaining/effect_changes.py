@@ -17,6 +17,8 @@ from .hypothesis import Change, Hypothesis, factors, fitted, set_to
 
 #: Largest absolute value of the power of ‖ω‖ in a drag's coefficient.
 POWER = 4.0
+#: Powers of ‖ω‖ in the coefficients of quadratic drag and of dry friction.
+POWERS = 1.0, -1.0
 #: The names of the numbers of `OtherEquations.slowing`.
 SLOWING = "c", "a", "b"
 
@@ -118,9 +120,15 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
     )
 
 
+def drags_of_other_powers(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
+    """Changes that make drag quadratic, or dry friction, with a coefficient that is fitted."""
+    yield from (drags_law(scenario, e, power) for power in POWERS)
+
+
 def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Changes of how drag depends on ω, in place of the scene's drag."""
     c, size = e.slowing[0], mean_moment(e) * usual_rate(scenario, e)
+    yield from drags_of_other_powers(scenario, e)
     yield drags_law(scenario, e)
     yield fitted(
         "drag along each axis",

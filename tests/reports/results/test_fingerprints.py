@@ -108,8 +108,10 @@ def commented(text: str) -> str:
     """Source with other docstrings, comments and layout."""
     tree = ast.parse(text)
     for node in ast.walk(tree):
-        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            node.value.value = f"Changed. {node.value.value}"
+        constant = node.value if isinstance(node, ast.Expr) else None
+        # The body of an overload, an Ellipsis, is no docstring.
+        if isinstance(constant, ast.Constant) and isinstance(constant.value, str):
+            constant.value = f"Changed. {constant.value}"
     return f'"""Another."""\n# A comment\n{ast.unparse(tree)}\n'
 
 

@@ -16,7 +16,14 @@ from .....reference.following import follow_each
 from .....scenarios import FloatArray, Scenario
 from .....scenarios.rotation import norms
 from ...explaining.changes import has_tensor, tensor
-from ...explaining.effect_changes import com, of_momentum, resistance, torques, usual_torque
+from ...explaining.effect_changes import (
+    com,
+    drags_of_other_powers,
+    of_momentum,
+    resistance,
+    torques,
+    usual_torque,
+)
 from ...explaining.fit import Fit, Trial
 from ...explaining.hypothesis import Change, Hypothesis
 from ...explaining.search import LEFT, SIGNIFICANCE
@@ -27,7 +34,6 @@ from .motion_effects import (
     by_attitude,
     dipole,
     momentum,
-    resistance_of_other_powers,
     tilt,
     world_turning,
 )
@@ -111,7 +117,7 @@ class LogFit:
         scene = self.scenario, equations
         found = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
         found += [*tilt(equations), *of_momentum(equations), *torques(*scene)]
-        found += [momentum(*scene), *resistance_of_other_powers(*scene)]
+        found += [momentum(*scene), *drags_of_other_powers(*scene)]
         return [*found, *OF_LOGS, world_turning(1.0)] if self.given.has_omega else found
 
     @cached_property

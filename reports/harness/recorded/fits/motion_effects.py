@@ -13,17 +13,9 @@ from .....reference.other_equations import OtherEquations, equations_of
 from .....scenarios import FloatArray, Scenario
 from .....scenarios.rotation import matrix
 from .....scenarios.scenario import with_tables
-from ...explaining.effect_changes import drags_law, mean_moment, usual_rate, usual_torque
+from ...explaining.effect_changes import mean_moment, usual_rate, usual_torque
 from ...explaining.hypothesis import Change, Hypothesis, fitted, scaled, set_to
 from ...explaining.other_tensors import tensors_of_entries
-
-#: Powers of ‖ω‖ in the coefficients of quadratic drag and of dry friction.
-POWERS = 1.0, -1.0
-
-
-def resistance_of_other_powers(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that make drag quadratic, or dry friction, with a coefficient that is fitted."""
-    yield from (drags_law(scenario, e, power) for power in POWERS)
 
 
 def tilt(e: OtherEquations) -> Iterator[Change]:

@@ -62,7 +62,7 @@ PLANTED: dict[str, tuple[Scenario, Torque, dict[str, np.ndarray], str]] = {
         FREE.scenario,
         lambda t, R, omega: -0.3 * omega / np.linalg.norm(omega),
         {},
-        "drag were 0.3 ‖ω‖^0 N m",
+        "drag were dry friction of 0.3 N m",
     ),
     "drag of each axis": (
         FREE.scenario,
