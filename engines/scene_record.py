@@ -114,7 +114,8 @@ class RecordFrame:
         `q` is the attitude of the record's axes, and vectors are along world axes. Com and velocity
         are those of the body without rotors.
         """
-        q_world_body, omega_body = state.q_world_body_wxyz, state.omega_body
+        q_world_body = np.asarray(state.q_world_body_wxyz, dtype=float)
+        omega_body = np.asarray(state.omega_body, dtype=float)
         # An engine's own quaternions may be off from unit length.
         q_world_body = q_world_body / np.sqrt(q_world_body @ q_world_body)
         R_world_body = matrix(q_world_body)

@@ -124,6 +124,7 @@ def follow_each(
 
     Parameters
     ----------
+    equations : E sets of equations
     states : q, scalar first, body to world, and ω, rad/s, body axes, (E, S, 7)
     spans : s, (E, S, L)
     timesteps : s, (E,); each span is a multiple of its timestep; None with `EXACT` and
@@ -136,6 +137,8 @@ def follow_each(
     exceeds `fastest`
     """
     numbers = all_numbers(equations)
+    if len(numbers) != len(spans):
+        raise ValueError(f"{len(numbers)} sets of equations for {len(spans)} of states")
     timesteps = np.zeros(len(numbers)) if timesteps is None else timesteps
     ends = np.empty((*spans.shape, 7))
     _follow(numbers, states, spans, *integrator[1:], timesteps, fastest, ends)

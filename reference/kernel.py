@@ -14,8 +14,10 @@ from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import numba
+import numpy as np
 from numba import njit
 
+from ..scenarios import FloatArray
 from ..scenarios.regular_files import is_own
 
 P = ParamSpec("P")
@@ -24,9 +26,10 @@ T = TypeVar("T")
 config: Any = numba.config
 
 _PACKAGE = Path(__file__).parent
-# A digest of the files that import one of these covers all kernels: every file of kernels imports
-# this module or double-doubles, and constants of kernels are the places of entries in rows.
-_MARKS = (b"from .kernel", b"from .doubledouble", b"from .rows")
+# The digest is of the files with one of these, which are all that machine code depends on: files of
+# kernels import this module or double-doubles, and constants in kernels are places of entries in
+# rows, which `rows.py` makes and others import.
+_MARKS = (b"from .kernel", b"from .doubledouble", b"from .rows", b"class Rows")
 
 
 def digest_of_kernels(package: Path) -> str:
@@ -102,6 +105,14 @@ def kernel(
 called = partial(kernel, is_inlined=False)
 #: As `kernel`, for a function that makes new arrays.
 allocating = partial(kernel, allocates=True)
+
+
+def writable(numbers: FloatArray) -> FloatArray:
+    """Return a copy of numbers as kernels take them.
+
+    A scene's own arrays cannot be written, and for such arrays kernels would be compiled anew.
+    """
+    return np.array(numbers, dtype=float)
 
 
 def _survive_the_disk(cache: Any) -> None:

@@ -27,7 +27,8 @@ TURNED_BACK, TURNED_ON, UNTURNED, TORQUE_UNTURNED = 0, 1, 2, 3
 class OtherEquations(Rows):
     """Numbers of one or several sets of equations of motion, SI.
 
-    Torques are along body axes unless their names say otherwise.
+    Torques are along body axes unless their names say otherwise. The shapes below are those of one
+    set; of E sets each has a further first axis.
 
     I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world
     − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω + Σᵢ P eᵢ × Rᵀ eᵢ

@@ -60,7 +60,9 @@ class Rows:
         self.numbers = numbers
 
     def __len__(self) -> int:
-        """The number of objects, H."""
+        """The number of objects, H; one object alone has no length."""
+        if self.numbers.ndim == 1:
+            raise TypeError(f"one {type(self).__name__} has no length")
         return len(self.numbers)
 
     def __getitem__(self, which: Any) -> Self:
@@ -74,13 +76,20 @@ class Rows:
         ----------
         entries : new values by the names of entries: one value for all objects, with the shape of
             the entry, or one for each of H objects, (H, ...)
+
+        Raises
+        ------
+        ValueError
+            If a value has another shape.
         """
         numbers = self.numbers.copy()
         for name, value in entries.items():
-            entry = getattr(type(self), name)
+            entry: Entry = getattr(type(self), name)
             value = np.asarray(value, dtype=float)
-            of_each = value.shape[: value.ndim - len(entry.shape)]
-            numbers[..., entry.first : entry.last] = value.reshape((*of_each, -1))
+            if value.shape not in (entry.shape, numbers.shape[:-1] + entry.shape):
+                raise ValueError(f"'{name}' must be {entry.shape} of each, got {value.shape}")
+            before = value.shape[: value.ndim - len(entry.shape)]
+            numbers[..., entry.first : entry.last] = value.reshape((*before, -1))
         return type(self)(numbers)
 
     def repeated(self, count: int) -> Self:

@@ -1,8 +1,10 @@
 """Deviations of states are those of the rotation from one attitude to the other, and of ω."""
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 from spincheck.reference.deviations import apart
+from spincheck.scenarios.rotation import rotation_vectors
 
 RANDOM = np.random.default_rng(5)
 STATES = np.hstack([Rotation.random(8, rng=RANDOM).as_quat(), RANDOM.normal(size=(8, 3))])
@@ -22,6 +24,12 @@ def test_a_quaternion_and_its_negative_are_one_attitude_and_several_motions_are_
     both = apart(np.stack([STATES, negative]), STATES)
     assert both.shape == (2, 8, 6)
     assert not both.any()
+
+
+def test_the_turns_are_those_that_python_computes():
+    other = STATES[::-1]
+    turned = rotation_vectors(STATES[:, :4], other[:, :4])
+    assert apart(STATES, other)[:, :3] == pytest.approx(turned, abs=4e-15)
 
 
 def test_of_no_states_there_are_none():

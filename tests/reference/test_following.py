@@ -126,3 +126,9 @@ def test_no_state_is_infinite(integrator: Integrator) -> None:
     for span in 10.0 ** np.arange(-160, 300, 20):
         (made,) = follow(speeding, start, np.array([[span]]), integrator, span)
         assert not np.isinf(made).any()
+
+
+def test_several_sets_of_equations_are_not_taken_for_one():
+    both = equations_of(library_scene("fast-top")).repeated(2)
+    with pytest.raises(ValueError, match="2 sets of equations for 1 of states"):
+        follow(both, np.zeros((1, 7)), np.zeros((1, 1)))

@@ -17,6 +17,7 @@ from spincheck.reference.theta_kernel import evaluate
 KERNELS = "from .kernel import kernel\n"
 CALLERS = "from .doubledouble import dd_add\n"
 PLACES = "from .rows import Entry\n"
+ROWS = "class Rows:\n    count = 0\n"
 
 
 @pytest.fixture
@@ -24,13 +25,14 @@ def package(tmp_path: Path) -> Path:
     (tmp_path / "arithmetic.py").write_text(KERNELS)
     (tmp_path / "callers.py").write_text(CALLERS)
     (tmp_path / "places.py").write_text(PLACES)
+    (tmp_path / "rows.py").write_text(ROWS)
     (tmp_path / "other.py").write_text("import math\n")
     return tmp_path
 
 
 @pytest.mark.parametrize(
     ("name", "text"),
-    [("arithmetic.py", KERNELS), ("callers.py", CALLERS), ("places.py", PLACES)],
+    [("arithmetic.py", KERNELS), ("callers.py", CALLERS), ("places.py", PLACES), ("rows.py", ROWS)],
 )
 def test_a_change_of_any_kernel_file_changes_the_digest(
     package: Path, name: str, text: str

@@ -42,8 +42,17 @@ def test_other_entries_are_those_of_all_or_of_each(value):
 def test_what_has_no_such_name_or_shape_is_refused():
     with pytest.raises(AttributeError, match="weight"):
         ONE.of(weight=1.0)
-    with pytest.raises(ValueError, match="broadcast"):
-        MANY.of(place=np.ones(2))
+    for value in (1.0, np.ones(2), np.ones((3, 1)), np.ones((2, 3)), np.ones((1, 3))):
+        with pytest.raises(ValueError, match="'place' must be"):
+            MANY.of(place=value)
+    with pytest.raises(ValueError, match="'place' must be"):
+        ONE.of(place=np.ones((1, 3)))
+
+
+def test_one_has_no_length():
+    assert len(MANY) == 3
+    with pytest.raises(TypeError, match="no length"):
+        len(ONE)
 
 
 def test_some_and_one_of_many_and_all_joined():

@@ -107,7 +107,10 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
     c, rate = e.slowing[0], usual_rate(scenario, e)
 
     def friction(n: FloatArray) -> FloatArray:
-        """Return f and p, (..., 2); at ‖ω‖ = `rate` the drag is (c + n[0]) ω, of the scene's c."""
+        """Return f and p, (..., 2), by the parameters, (..., 1) or (..., 2).
+
+        At ‖ω‖ = `rate` the first parameter is added to c, the coefficient of the scene's drag.
+        """
         added = n[..., 0]
         p = np.clip(n[..., 1], -POWER, POWER) if power is None else np.full_like(added, power)
         return np.stack([(c + added) * rate**-p, p], axis=-1)
@@ -128,7 +131,6 @@ def drags_of_other_powers(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
 def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Changes of how drag depends on ω, in place of the scene's drag."""
     c, size = e.slowing[0], mean_moment(e) * usual_rate(scenario, e)
-    yield from drags_of_other_powers(scenario, e)
     yield drags_law(scenario, e)
     yield fitted(
         "drag along each axis",
@@ -146,11 +148,11 @@ def _with_torque(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
 
 
 def _with_drag(names: Sequence[str], h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """Return H hypotheses with numbers, (H, k), added to the k of `OtherEquations.slowing` named.
+    """Return H hypotheses with numbers, (H, k), added to those of `OtherEquations.slowing`.
 
     Parameters
     ----------
-    names : of c, a and b
+    names : which of c, a and b the k numbers are added to
     """
     return h.of(slowing=h.slowing + n @ np.eye(3)[[SLOWING.index(name) for name in names]])
 
@@ -171,10 +173,10 @@ def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """
     if scenario.constraint.is_pivot and e.gravity_world.any():
         place, mass = np.array(scenario.body.com), scenario.body.mass
+        about_com = e.inertia - mass * _of_parallel_axes(place)
 
         def moved(h: Hypothesis, com: FloatArray) -> Hypothesis:
-            here, there = (mass * _of_parallel_axes(r) for r in (place, com))
-            return h.with_inertia(e.inertia - here + there).of(pull=mass * com)
+            return h.with_inertia(about_com + mass * _of_parallel_axes(com)).of(pull=mass * com)
 
         yield fitted("com", place, float(np.linalg.norm(place)) or 1.0, moved)
 

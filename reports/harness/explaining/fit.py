@@ -72,7 +72,7 @@ class Data(ABC):
         return (self,)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """The decrease of χ² from the residuals before a change to those after it, both (...)."""
+        """The decrease of χ² from the residuals before a change to those after it, in any shape."""
         return float(self.chi2_decreases(before.ravel(), after.reshape(1, -1))[0])
 
     def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:

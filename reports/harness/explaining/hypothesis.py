@@ -19,7 +19,7 @@ SMALL = 1e-5
 class Hypothesis(OtherEquations):
     """Equations that may have been integrated, and how the states of that motion are read.
 
-    One object holds one hypothesis, or H of them.
+    One object holds one hypothesis, or H of them: then each shape below has a further first axis.
 
     Attributes
     ----------

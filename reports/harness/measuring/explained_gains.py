@@ -18,6 +18,7 @@ from ....scenarios import FloatArray
 from ....scenarios.rotation import matrices, turned
 from ...results.evidence import Explanation
 from ..explaining.changes import changes
+from ..explaining.effect_changes import drags_of_other_powers
 from ..explaining.fit import RANK, Data
 from ..explaining.hypothesis import Change, Hypothesis, scaled
 from ..explaining.search import Search
@@ -74,10 +75,10 @@ class Gains(Data):
         torque = omega_rate @ hypothesis.read.T @ scenario.inertia.T
         if scenario.constraint.is_pivot:
             com = np.tile(hypothesis.pull / scenario.body.mass, (len(omega), 1))
-            position, step = turned(R_world_body, com), np.ones(())
+            position, step = turned(R_world_body, com), 1.0
             velocity = turned(R_world_body, np.cross(omega, com))
         else:
-            position, step = self.states.velocity_world, hypothesis.step
+            position, step = self.states.velocity_world, float(hypothesis.step)
             position = position / (hypothesis.velocity or np.nan)
             velocity = np.tile(hypothesis.gravity_world, (len(omega), 1))
             if hypothesis.mobility:
@@ -112,7 +113,9 @@ class Gains(Data):
 
 def explanations(gains: Gains) -> tuple[Explanation, ...]:
     """The change of the equations, or the pair of changes, that explains gains; empty if none."""
-    candidates = [*_readings(), *changes(gains.equations.scenario), *_braking()]
+    scenario = gains.equations.scenario
+    candidates = [*_readings(), *changes(scenario), *drags_of_other_powers(scenario, gains.base)]
+    candidates += _braking()
     found = Search(gains, candidates).one_or_two()
     return tuple(map(found.explanation, found.changes)) if found else ()
 

@@ -92,7 +92,8 @@ class Physics:
         data = intervals_of(self.scenario, inner, *of_method, most=MOST_INTERVALS)
         if data is None:
             return None
-        return replace(data, base=self.base or data.base, is_derived=self.reach > 0)
+        base = data.base if self.base is None else self.base
+        return replace(data, base=base, is_derived=self.reach > 0)
 
     @cached_property
     def search(self) -> Search | None:
@@ -460,7 +461,8 @@ class Physics:
             return [*words, *rest._in_words(more)]
         more = rest._within_error
         # The same change once more only corrects its parameters for a method's error.
-        is_another = more is not None and not set(more.changes) & set(found.changes)
+        same = {(one.kind, len(one.scales)) for one in found.changes}
+        is_another = more and not same & {(one.kind, len(one.scales)) for one in more.changes}
         if more and is_another:
             return [*words, *sentences(more)]
         return [*words, *rest._varying(self._of_motion)]

@@ -84,7 +84,7 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     is_late = physics.base is None and is_attitude_off(motion, physics.exact)
     if is_late or turns.max() > NEAR:
         return []
-    base = physics.base or as_it_is(physics.scenario)
+    base = as_it_is(physics.scenario) if physics.base is None else physics.base
     states = np.hstack([motion.q_world_body_wxyz, motion.omega_body])
     actual_omega = _omega_between(base, states, np.diff(motion.t))
     if actual_omega is None or physics.intervals is None:

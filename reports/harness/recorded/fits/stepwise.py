@@ -186,7 +186,7 @@ def residuals_if_linear(
     jacobian = np.hstack([np.empty((len(before.residuals), 0)), *columns])
     basis, sizes, _ = np.linalg.svd(jacobian, full_matrices=False)
     basis = basis[:, sizes > RANK * sizes.max(initial=0.0)]
-    left = np.array([one.residuals for one in each]).reshape(len(each), -1)
+    left = np.array([one.residuals for one in each]).reshape(len(each), len(before.residuals))
     left -= left @ basis @ basis.T
     counts = np.array([one.jacobian.shape[1] for one in each])
     # The changes with equally many parameters together, as each takes less time than a call.

@@ -54,7 +54,7 @@ RATES = {
 }
 #: What may be wrong with the order and signs of the columns of ω, in words, and the columns and
 #: signs that correct it.
-COLUMNS = [
+COLUMNS_OF_OMEGA = [
     (
         "ω is [{}] of its columns".format(
             ", ".join(f"{'-' * (one < 0)}w{' xyz'[abs(one)]}" for one in components)
@@ -93,7 +93,8 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     ) -> Iterator[_Correction]:
         fewest = max(FEWEST_LEFT, len(original.t) - LEFT_OUT)
         if len(one.t) >= fewest:
-            # Where attitudes are wrong, no other ω makes up for it.
+            # Where attitudes are wrong, no other ω makes up for it: of two mistakes, that of the
+            # attitude is corrected first.
             is_right = beginning.error_of_attitude(one) < LEFT
             for word, other in _corrections(one, scenario, is_right=is_right):
                 if len(other.t) >= fewest:
@@ -249,7 +250,7 @@ class _Beginning:
         enough : if the error in attitude is as large as that, ω and spins are not compared
         """
         deviations = [self.error_of_attitude(reading)]
-        if deviations[0] >= enough or deviations[0] == np.inf:
+        if deviations[0] >= enough:
             return deviations[0]
         (states, speed, _), omega = self.at(reading.t), reading.omega_body
         if omega is not None:
@@ -332,7 +333,7 @@ def _corrections(
     Parameters
     ----------
     is_right : whether attitudes and times may be right as they are. If not, mistakes of ω and
-        spins alone are not tried
+        spins are tried only if they leave out a sample, which may be the wrong one
     """
     other: QuaternionOrder = "xyzw" if reading.order == "wxyz" else "wxyz"
     letters = " ".join(other)
@@ -413,7 +414,7 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
     yield "ω has the opposite sign", reading._replace(omega=-omega)
     for words, factor in RATES.items():
         yield f"ω is {words}", reading._replace(omega=omega * factor)
-    for words, columns, signs in COLUMNS:
+    for words, columns, signs in COLUMNS_OF_OMEGA:
         yield words, reading._replace(omega=omega[:, columns] * signs)
     for axes in EULER_ANGLES:
         of_angles = "".join("xyz"[axis] for axis in axes)

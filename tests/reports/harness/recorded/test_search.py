@@ -117,3 +117,9 @@ def test_changes_of_a_long_log_are_searched_in_a_part_of_its_samples_first(sampl
         assert part.t[0] == motion.t[0]
         assert FEWEST <= len(part.t) <= MOST
         assert (part.states == whole.states[np.isin(whole.t, part.t)]).all()
+
+
+def test_a_regression_that_has_every_change_already_adds_none() -> None:
+    data = Parabola(BASE, SQUARES)
+    fit = Trial(data, (SQUARE,)).fit()
+    assert Stepwise(data, (SQUARE,)).stepwise(fit, 4).changes == (SQUARE,)
