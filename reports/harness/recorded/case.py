@@ -183,7 +183,7 @@ class Case:
         """
         of_method = self.timestep, self.order, self.of_intervals
         intervals = intervals_of(self.scenario, self.motion, *of_method, near=FAR)
-        if intervals and base:
+        if intervals and base is not None:
             # Deviations far below what the base explains are no jumps of the motion.
             noise = np.maximum(intervals.noise, LEFT**2 * self.physics.off)
             intervals = replace(intervals, base=base, noise=noise)

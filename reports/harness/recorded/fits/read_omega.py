@@ -93,7 +93,7 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     # ω between two attitudes has the errors of both, divided by the time between them.
     attitude = np.hypot(physics.noise[0], physics.intervals.method[:, 0].max())
     # The deviation of the attitudes from the exact motion bounds their error.
-    deviation = 0.0 if physics.base else turned_off(motion, physics.exact)
+    deviation = turned_off(motion, physics.exact) if physics.base is None else 0.0
     attitude = min(attitude, max(physics.noise[0], deviation))
     error = physics.noise[1] + 2 * attitude / float(np.diff(motion.t).min())
     cut = motion.until(len(read))
