@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ..scenarios import FloatArray
-from .kernel import kernel
+from .kernel import as_kernels_take, kernel
 
 
 def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
@@ -21,8 +21,8 @@ def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
     """
     off = np.empty((*computed.shape[:-1], 6))
     shape = math.prod(computed.shape[:-2]), len(recorded)
-    each = np.ascontiguousarray(computed).reshape(*shape, 7)
-    _fill(each, np.ascontiguousarray(recorded), off.reshape(*shape, 6))
+    each = as_kernels_take(computed).reshape(*shape, 7)
+    _fill(each, as_kernels_take(recorded), off.reshape(*shape, 6))
     return off
 
 

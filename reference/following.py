@@ -11,7 +11,7 @@ import numpy as np
 from scipy.integrate import DOP853, RK45
 
 from ..scenarios import FloatArray
-from .kernel import allocating, called, kernel
+from .kernel import allocating, as_kernels_take, called, kernel
 from .other_equations import OtherEquations
 from .other_rates import (
     INERTIA,
@@ -141,6 +141,7 @@ def follow_each(
         raise ValueError(f"{len(numbers)} sets of equations for {len(spans)} of states")
     timesteps = np.zeros(len(numbers)) if timesteps is None else timesteps
     ends = np.empty((*spans.shape, 7))
+    states, spans = as_kernels_take(states), as_kernels_take(spans)
     _follow(numbers, states, spans, *integrator[1:], timesteps, fastest, ends)
     return ends
 
@@ -158,6 +159,7 @@ def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> Fl
     (S, 6), along body axes: the angular velocity at which the attitude turns, rad/s, and ω', rad/s²
     """
     made = np.empty((len(states), 6))
+    states, kept = as_kernels_take(states), as_kernels_take(kept)
     _fill_rates(all_numbers(equations)[0], states, kept, made)
     return made
 

@@ -107,12 +107,13 @@ called = partial(kernel, is_inlined=False)
 allocating = partial(kernel, allocates=True)
 
 
-def writable(numbers: FloatArray) -> FloatArray:
-    """Return a copy of numbers as kernels take them.
+def as_kernels_take(numbers: FloatArray) -> FloatArray:
+    """Return numbers in an array that kernels are compiled for; a copy if it is not such an array.
 
-    A scene's own arrays cannot be written, and for such arrays kernels would be compiled anew.
+    Kernels would be compiled anew for arrays that cannot be written, as a scene's own, and for
+    arrays whose numbers do not follow on each other in memory.
     """
-    return np.array(numbers, dtype=float)
+    return np.require(numbers, float, ("C", "W"))
 
 
 def _survive_the_disk(cache: Any) -> None:

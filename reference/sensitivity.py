@@ -17,7 +17,7 @@ from ..scenarios.principal import principal_axes
 from ..scenarios.rotation import cross, matrix
 from .dual_numbers import Dual
 from .effect_terms import TERMS
-from .kernel import writable
+from .kernel import as_kernels_take
 from .parameter_changes import ENTRIES, Change, changed_problem, changes
 from .problem import Problem
 from .rotational_problem import rotational_problem
@@ -264,7 +264,7 @@ def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatA
         orders.double_double,
         series,
     )
-    clock, times = np.zeros(2), writable(times)
+    clock, times = np.zeros(2), as_kernels_take(times)
     states, tangents = np.zeros((2, len(times), STATE))
     sample, steps, outcome = 0, 0, PAUSED
     while outcome == PAUSED and steps < MAX_STEPS:

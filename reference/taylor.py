@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..scenarios import FloatArray
 from .doubledouble import split
 from .effect_terms import TERMS, turning
-from .kernel import writable
+from .kernel import as_kernels_take
 from .problem import Problem
 from .taylor_coefficients import (
     AFTER,
@@ -127,7 +127,7 @@ def integrate_double_double(
 
     Parameters and errors raised are those of `integrate`.
     """
-    times = writable(times)
+    times = as_kernels_take(times)
     if not (np.isfinite(times).all() and (times >= 0).all() and (np.diff(times) >= 0).all()):
         raise ValueError("'times' must be finite, not negative and not decreasing.")
     states = np.zeros((len(times), STATE)), np.zeros((len(times), STATE))

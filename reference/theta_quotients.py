@@ -23,7 +23,7 @@ from ..scenarios import FloatArray
 from ..scenarios.exact import Quaternion, Vector
 from .doubledouble import split
 from .elliptic import EVEN_COSINE, EVEN_SINE, Harmonics, Lattice, Theta, scaled, theta
-from .kernel import writable
+from .kernel import as_kernels_take
 from .theta_kernel import ROWS, ThetaTables, evaluate
 
 #: Number of harmonics kept. Harmonic k is at most e^(−k² π/2) of the first (see `elliptic.TERMS`):
@@ -63,7 +63,7 @@ class ClosedForm:
         -------
         q_world_axes (n, 4), w x y z, continuous in t, and omega_axes (n, 3), rad/s
         """
-        times = writable(t)
+        times = as_kernels_take(t)
         q_world_axes, omega_axes = np.empty((len(times), 4)), np.empty((len(times), 3))
         evaluate(self.tables, times, q_world_axes, omega_axes)
         return q_world_axes, omega_axes

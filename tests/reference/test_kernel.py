@@ -5,12 +5,16 @@ from importlib import import_module
 from pathlib import Path
 
 import numba
+import numpy as np
 import pytest
 from library_scenes import library_scene
 from small_disks import small_disk
-from spincheck.reference import compiled, solve
+from spincheck.reference import compiled, following, solve
 from spincheck.reference import kernel as kernel_module
+from spincheck.reference.deviations import _fill, apart
+from spincheck.reference.following import follow, rates
 from spincheck.reference.kernel import digest_of_kernels, kernel
+from spincheck.reference.other_equations import equations_of
 from spincheck.reference.taylor_march import march
 from spincheck.reference.theta_kernel import evaluate
 
@@ -111,6 +115,21 @@ def test_times_that_can_be_written_and_others_are_of_one_type_to_kernels(name: s
     before = [list(one.signatures) for one in (march, evaluate)]
     solve(library_scene(name), times.copy())
     assert [list(one.signatures) for one in (march, evaluate)] == before
+
+
+def test_arrays_of_any_layout_are_of_one_type_to_kernels() -> None:
+    equations = equations_of(library_scene("fast-top"))
+    states, spans = np.tile([1.0, 0, 0, 0, 0.1, 0.2, 0.3], (6, 1)), np.full((6, 2), 1e-3)
+
+    def used(states: np.ndarray, spans: np.ndarray) -> list[list[object]]:
+        apart(follow(equations, states, spans)[:, 1], states)
+        rates(equations, states, states[:, 4:])
+        return [list(one.signatures) for one in (following._follow, _fill, following._fill_rates)]
+
+    before = used(states, spans)
+    fixed = states.copy()
+    fixed.flags.writeable = False
+    assert used(fixed[::2], np.asfortranarray(spans)[::2]) == before
 
 
 @pytest.mark.parametrize("folder", [None, Path("nowhere")])
