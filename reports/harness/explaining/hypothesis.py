@@ -77,6 +77,11 @@ class Change:
     shown: Callable[[FloatArray], Sequence[float] | FloatArray] = np.asarray
     is_possible: Callable[[Hypothesis, FloatArray], bool] = lambda _, __: True
 
+    @property
+    def form(self) -> tuple[str, int]:
+        """The kind and the number of parameters: changes that agree in them differ in numbers."""
+        return self.kind, len(self.scales)
+
     def around(self, hypothesis: Hypothesis) -> Hypothesis:
         """The k + 1 hypotheses with parameters of zero, and with a small step in each of them."""
         return self.apply(hypothesis.repeated(len(self._steps)), self._steps)

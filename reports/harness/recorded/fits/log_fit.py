@@ -130,8 +130,8 @@ class LogFit:
         special = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
         special = [one for one in special if len(one.scales) <= MOST_PARAMETERS]
         usual = [*self.general, self.late, self.axes]
-        same = {(one.kind, len(one.scales)) for one in usual}
-        special = [one for one in special if (one.kind, len(one.scales)) not in same]
+        forms = {one.form for one in usual}
+        special = [one for one in special if one.form not in forms]
         special = [one for one in special if one.is_possible is not has_tensor]
         return Stepwise(self.given, [*usual, *special], usual=usual)
 

@@ -461,9 +461,8 @@ class Physics:
             return [*words, *rest._in_words(more)]
         more = rest._within_error
         # The same change once more only corrects its parameters for a method's error.
-        same = {(one.kind, len(one.scales)) for one in found.changes}
-        is_another = more and not same & {(one.kind, len(one.scales)) for one in more.changes}
-        if more and is_another:
+        forms = {one.form for one in found.changes}
+        if more and not any(one.form in forms for one in more.changes):
             return [*words, *sentences(more)]
         return [*words, *rest._varying(self._of_motion)]
 
