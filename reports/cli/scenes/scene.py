@@ -1,11 +1,15 @@
 """The commands `show`, `export` and `new`."""
 
+import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ....engines.checks.read_back import start_state
 from ....engines.models.mjcf import mjcf
 from ....engines.models.urdf import urdf
 from ....scenarios import EFFECTS, Scenario, is_scene_name, loads, printable
+from ....scenarios.effects.effect import Effect
 from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.regular_files import write_new
 from ..terminal import Complaint
@@ -76,11 +80,30 @@ EXPORTED_TURN = 0.05
 EXPORTED_TIMESTEP = 0.002
 
 
+#: What the numbers of a scene are, by their keys in `scene_as_json`: unit, point and axes.
+MEANINGS = {
+    "mass": "kg",
+    "com": "m, centre of mass from the body's origin, body axes",
+    "inertia_com": "kg m², about the centre of mass, body axes",
+    "principal_moments": "kg m², about the centre of mass",
+    "quaternion_wxyz": "attitude at t = 0, body to world, scalar first",
+    "omega_body": "rad/s, at t = 0, body axes",
+    "position": "m, of the centre of mass at t = 0, world axes",
+    "velocity": "m/s, of the centre of mass at t = 0, world axes",
+    "duration": "s",
+    "samples": "evenly spaced times, t = 0 and the end included",
+    "published": "times with published values",
+    "expect": "expectations of engines",
+}
+#: Quantities that count rotors as fixed parts of the body.
+OF_THE_WHOLE = ("mass", "com", "inertia_com", "principal_moments")
+#: Digits of numbers that are printed for people; in JSON they have all digits.
+DIGITS = 7
+
+
 def scene_as_json(scenario: Scenario) -> dict[str, Any]:
     """Return a scene as it was read, in SI units, as a JSON object."""
-    body, start = scenario.body, scenario.start
-    written = scenario.document.model_dump(exclude_none=True)
-    tables = written | written["effects"]
+    body, start = scenario.body, start_state(scenario)
     return {
         "scene": scenario.name,
         "source": scenario.document.source,
@@ -92,14 +115,57 @@ def scene_as_json(scenario: Scenario) -> dict[str, Any]:
         "principal_moments": body.principal_moments.tolist(),
         "quaternion_wxyz": start.q_world_body_wxyz.tolist(),
         "omega_body": start.omega_body.tolist(),
-        "position": start.position_world.tolist(),
+        "position": start.com_world.tolist(),
         "velocity": start.velocity_world.tolist(),
-        **{effect.table: tables[effect.table] for effect in scenario.acting},
+        **{effect.table: _table(scenario, effect) for effect in scenario.acting},
         "duration": scenario.window.duration,
         "samples": scenario.window.samples,
         "published": len(scenario.document.published),
         "expect": len(scenario.expect),
     }
+
+
+def _table(scenario: Scenario, effect: Effect) -> Any:
+    """Return an effect's table of a scene file, or its list of tables, as read."""
+    written = scenario.document.model_dump(exclude_none=True)
+    return (written | written["effects"])[effect.table]
+
+
+def scene_rows(scenario: Scenario) -> Iterator[dict[str, str]]:
+    """Yield each number and text of `scene_as_json` with its unit, as a row for people."""
+    described = scene_as_json(scenario)
+    for effect in scenario.acting:
+        described[effect.table] = effect
+    for name, value in described.items():
+        if isinstance(value, Effect):
+            yield from _effect_rows(value, _table(scenario, value))
+            continue
+        counted = "; with rotors as fixed parts" if name in OF_THE_WHOLE and scenario.rotors else ""
+        yield _row(name, value, MEANINGS.get(name, "") + counted)
+
+
+def _effect_rows(effect: Effect, table: Any) -> Iterator[dict[str, str]]:
+    """Yield a row for each key of an effect's table, or of each table of its list."""
+    tables = {f"{effect.table} {k + 1}": one for k, one in enumerate(table)}
+    tables = tables if isinstance(table, list | tuple) else {effect.table: table}
+    for name, one in tables.items():
+        if not one:
+            yield _row(name, "", effect.model.__doc__ or "")
+        for key, value in one.items():
+            yield _row(f"{name}: {key}", value, effect.model.model_fields[key].description or "")
+
+
+def _row(name: str, value: Any, meaning: str) -> dict[str, str]:
+    """Return a row of the table of a scene: lists as JSON, numbers in `DIGITS` digits."""
+    shown = value if isinstance(value, str) else json.dumps(_rounded(value), ensure_ascii=False)
+    return {"": name, "value": shown, "unit": meaning}
+
+
+def _rounded(value: Any) -> Any:
+    """Return a value with each of its floats rounded to `DIGITS` digits."""
+    if isinstance(value, list | tuple):
+        return [_rounded(one) for one in value]
+    return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
 
 
 def model_files(scenario: Scenario) -> dict[str, str]:

@@ -1,6 +1,5 @@
 """The commands about scenes; heavy imports wait inside them, so that ``--help`` answers at once."""
 
-import json
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -67,23 +66,22 @@ def show(
     toml: Annotated[bool, typer.Option("--toml", help="Print the scene's file.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """Show a scene as it was read, with defaults and units resolved."""
+    """Show a scene as it was read, in SI units, with defaults; with --json in all digits."""
     from ..run.ensembles import member_of
-    from .scene import scene_as_json
+    from .scene import scene_as_json, scene_rows
 
     if toml and as_json:
         raise Complaint("takes '--toml' or '--json', not both")
     scene = member_of(scenario, member, seed)
-    described = scene_as_json(scene)
     if toml:
         print(scene.text, end="")
     elif as_json:
-        print(to_json(described))
+        print(to_json(scene_as_json(scene)))
     else:
         print(f"{scene.title}\n\n{scene.document.description}\n")
         if scene.path:
             print(f"{scene.path}\n")
-        table([{"": name, "value": _inline(value)} for name, value in described.items()])
+        table([*scene_rows(scene)])
 
 
 @app.command(epilog="Example: spincheck check my-top.toml")
@@ -137,11 +135,6 @@ def export(
             write_new(folder / name, text)
     for name in texts:
         print(folder / name)
-
-
-def _inline(value: object) -> str:
-    """Return a value as text in one line, as JSON unless it is a text."""
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
 def _scenario(name: str) -> Any:
