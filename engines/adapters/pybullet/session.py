@@ -9,7 +9,9 @@ import numpy as np
 import pybullet as p
 from spincheck.engine import BodyReading, EngineError, Fault, Scenario, Session, State
 
+from ....scenarios import FloatArray
 from ....scenarios.rotation import matrix
+from ...checks.equations import Equations
 from ...native_output import native_output
 from .audit import what_acts
 from .load import BodyRepresentation, load
@@ -23,6 +25,8 @@ from .worlds import give_back, take_world
 DEFAULT_CLAMP = 100.0
 #: Timestep, s, in which a body at rest moves nowhere.
 IDLE = 2.0**-60
+#: How far a body is lifted off its contact, in units of the com's distance from its tip.
+ABOVE = 100.0
 #: Relative slack, as a clamped velocity is read back through a rotation, with rounding errors.
 ROTATED = 8 * float(np.finfo(float).eps)
 #: What PyBullet prints before a warning.
@@ -63,8 +67,8 @@ class PyBulletSession(Session):
 
     @property
     def can_restart(self) -> bool:
-        """Whether no contact holds the body, since Bullet would keep its earlier impulses."""
-        return self.world.scene["plane"] is None
+        """True: `restart` makes Bullet forget all that it keeps from earlier steps."""
+        return True
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
@@ -85,17 +89,25 @@ class PyBulletSession(Session):
         if key not in self._motions:
             self._motions[key] = self.model.motion(state)
         if self._is_maximal:
-            self._renew_inertia(self._motions[key], state)
+            # PyBullet rotates a rigid body's inertia to its attitude only at the end of a step.
+            on_pivot = matrix(state.q_world_body_wxyz) @ self.model.body.com
+            self._step_at_rest(self._motions[key], on_pivot)
+        if self.world.scene["plane"] is not None:
+            # PyBullet keeps the impulses of a contact until a step in which nothing touches.
+            above = state.com_world + [0.0, 0.0, ABOVE * Equations(self._scenario).reach]
+            self._step_at_rest(self._motions[key], above)
         self.world.restart(self._motions[key], timestep)
 
-    def _renew_inertia(self, motion: dict[str, Any], state: State) -> None:
-        """Make PyBullet rotate a rigid body's inertia to a state's attitude, by a step at rest.
+    def _step_at_rest(self, motion: dict[str, Any], place: FloatArray) -> None:
+        """Take a step so short that nothing moves, with the body at rest.
 
-        PyBullet itself rotates it only at the end of a step. `motion` is the same state in the form
-        that `World.restart` takes.
+        Parameters
+        ----------
+        motion : a motion as `World.restart` takes it; its attitude is used
+        place : position of the com, m, world axes, (3,)
         """
-        rest, on_pivot = np.zeros(3), matrix(state.q_world_body_wxyz) @ self.model.body.com
-        self.world.restart({**motion, "place": on_pivot, "omega": rest, "velocity": rest}, IDLE)
+        rest = np.zeros(3)
+        self.world.restart({**motion, "place": place, "omega": rest, "velocity": rest}, IDLE)
         self.advance(1)
 
     def advance(self, steps: int) -> None:

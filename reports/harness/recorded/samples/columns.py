@@ -3,7 +3,6 @@
 import numpy as np
 
 from .....scenarios import FloatArray
-from ...explaining.search import LEFT
 from .digits import CHANGES, Numbers, Shown, runs, where
 
 #: Least number of samples for which a column is stuck. It is more than five, as an ω that is up to
@@ -38,12 +37,13 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
         if b + 1 - a < FEWEST or abs(column[a]) == bound:
             continue
         changes = float(np.ptp(exact[a : b + 1]))
-        deviation = float(np.abs(numbers.rates[a:b, axis] - column[a]).max())
+        # A method's error makes the attitudes turn at a constant other rate, which is no change.
+        change_shown = float(np.ptp(numbers.rates[a:b, axis]))
         # Along other axes it may be the component that the exact motion keeps.
         if (np.abs(np.abs(numbers.omega_exact) - abs(column[a])).max(axis=0) < least).any():
             continue
         # The ω of a body with another tensor may stay the same.
-        if changes > least and deviation > LEFT * changes:
+        if changes > least and change_shown > changes / 2:
             how = "dead" if not column[a] else "stuck"
             return Shown(
                 f"w{'xyz'[axis]} is {column[a]:.6g} rad/s, to the last digit, "
@@ -80,7 +80,7 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
     bound = float(np.abs(some).max())
     is_at_bound = np.abs(some) == bound
     # A component that is constant throughout may be the motion's own.
-    is_cut = is_at_bound & ~is_at_bound.all(axis=0)
+    is_cut = is_at_bound & (np.ptp(some, axis=0) > CHANGES * numbers.resolution_omega)
     is_between = is_cut[1:] & (some[1:] == some[:-1])
     excess = (numbers.rates[:, columns] * np.sign(some[1:]))[is_between] - bound
     if len(excess) < FEWEST:

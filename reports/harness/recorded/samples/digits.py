@@ -360,14 +360,15 @@ def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
     ----------
     omega : as in the file, rad/s, (n, 3)
     """
-    # A constant ω has as few digits as it started with.
-    if max(len(np.unique(np.round(column, 9))) for column in omega.T) < FEWEST:
-        return None
     found = {}
     for name, factor in RATES.items():
         unit = unit_of(omega / factor)
         largest = float(np.abs(omega).max()) / factor
-        if unit and largest < COARSE * unit and numbers.resolution_q < LEFT * unit / largest:
+        if not unit or largest >= COARSE * unit or numbers.resolution_q >= LEFT * unit / largest:
+            continue
+        # An ω that is nearly constant is a multiple of its own size, and not rounded.
+        multiples = np.rint(omega / factor / unit)
+        if max(len(np.unique(column)) for column in multiples.T) >= FEWEST:
             found[name] = unit
     if not found:
         return None

@@ -173,7 +173,7 @@ def error_at_first_sample(
     rates = np.maximum(norms(states[:, 4:]), equations.rate)
     rates = np.maximum(rates, LEAST_RATE * rates.max())
     step_lengths = min(timestep or distance, distance)
-    method = _bounds(equations, states, spans, rates, rates * step_lengths, order).sum(axis=0)
+    method = _bounds(equations, states, spans, rates, step_lengths, order).sum(axis=0)
     # Errors grow along the motion as differences of its start do.
     units = np.array([1.0, rates.max()])
     differences = SMALL * np.eye(6)
@@ -230,7 +230,7 @@ def intervals_of(
         kept = kept[np.unique(np.linspace(0, len(kept) - 1, most).astype(int))]
     spans, rates, states = spans[kept], rates[kept], states_of(motion)
     step_lengths = np.minimum(timestep or float(np.median(spans)), spans)
-    method = _bounds(base, states[kept], spans, rates, rates * step_lengths, order)
+    method = _bounds(base, states[kept], spans, rates, step_lengths, order)
     starts, ends = states[kept], states[kept + 1]
     return Intervals(base, starts, motion.t[kept + 1], spans[:, None], ends, noise, method)
 
@@ -240,7 +240,7 @@ def _bounds(
     states: FloatArray,
     spans: FloatArray,
     rates: FloatArray,
-    angles: FloatArray,
+    step_lengths: FloatArray,
     order: int,
 ) -> FloatArray:
     """Return bounds of a method's error over each span, in attitude, rad, and ω, rad/s, (S, 2).
@@ -253,12 +253,14 @@ def _bounds(
     ----------
     states : q and ω at the start of each span, (S, 7)
     spans, rates : s, and the fastest rate of each state, rad/s, (S,)
-    angles : the angle of a step, rad, (S,)
+    step_lengths : s, (S,)
     """
     computed = follow(equations, states, spans[:, None])[:, 0, 4:]
     speed = float(norms(states[:, 4:]).max())
     fastest = float((norms(computed - states[:, 4:]) / spans).max())
-    angles = np.minimum(1.0, angles)
+    # A body that is pushed from rest is fast only at the end of a span.
+    rates = np.maximum(rates, norms(computed))
+    angles = np.minimum(1.0, rates * step_lengths)
     of_turning = angles ** max(order, 2) * rates * spans / 4
     of_omega = angles**order * fastest * spans / 2
     return of_turning[:, None] * [1.0, speed] + of_omega[:, None] * np.stack(

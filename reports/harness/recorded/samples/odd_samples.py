@@ -11,7 +11,7 @@ from ...explaining.search import LEFT, SAME
 from ..files.motion import Reading
 from ..files.recording import unit_of
 from .digits import CHANGES, Numbers, Shown, where
-from .intervals import NEAR, deviations_from_flow, states_of
+from .intervals import NEAR, deviations_from_flow, root_mean_squares, states_of
 from .mistakes import FITS, TOO_LONG, TOO_SHORT
 
 #: Least number of samples, and least number of wrapped ones.
@@ -224,6 +224,15 @@ def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: Flo
     spans = np.diff(motion.t)
     if np.mean(np.abs(np.diff(offsets)) > SAME * spans) < LEFT:
         # A clock that is set changes a single span.
+        return ""
+    # From sample to sample the times must be as wrong. A method's error delays a whole motion that
+    # lingers near an unstable one, though each step takes the time that it should.
+    ends = (
+        follow(equations, recorded[:-1], (spans + late)[:, None])[:, 0]
+        for late in (np.zeros_like(spans), np.diff(offsets))
+    )
+    at_stated, at_found = (root_mean_squares(apart(one, recorded[1:]) / unit) for one in ends)
+    if (at_found > at_stated).any():
         return ""
     slope = float(offsets @ motion.t / (motion.t @ motion.t))
     if np.abs(offsets - slope * motion.t).max() < SAME * np.abs(offsets).max():

@@ -1,13 +1,20 @@
 """Honest motions that were accused once, each by another cause, are not."""
 
 from itertools import chain
+from pathlib import Path
 
 import numpy as np
 import pytest
 from honest_motions import honest
+from library_scenes import library_scene
 from planted_motions import case, exactly, rates_of, stepped
 from reported_faults import judged
 from scipy.spatial.transform import Rotation
+from spincheck.reference import solve
+from spincheck.reports.harness.recorded.files.recording import Recording
+from spincheck.reports.harness.recorded.judged import judged_motion
+from spincheck.scenarios.fastest_rate import fastest_rate
+from stepped import METHODS, SteppedEngine
 
 pytestmark = pytest.mark.slow
 
@@ -33,6 +40,43 @@ def test_an_honest_motion_is_not_accused_any_more(number: int) -> None:
     if (one := honest(number)) is None:
         pytest.skip("its engine is missing")
     found = one.judged()
+    assert found.explained_by == ()
+    assert not found.is_beyond
+
+
+#: Scenes of the library, the method by its number, and the angle of a step, rad.
+ACCUSED_OF_THE_LIBRARY = {
+    "ω is rounded to 20 rad/s, of an ω that is nearly constant": [("hanging-top", 2, 0.02)],
+    "a column is stuck, of attitudes with a method's error": [("middle-axis-off-by-1e-8", 2, 0.02)],
+    "it saturates, of an ω that is constant to an ulp": [("moments-equal-to-1e-14-oblate", 0, 0.02)],
+    "each state is that of another time, of one that lingers": [
+        ("pendulum-just-over", 2, 0.02),
+        ("pendulum-just-under", 2, 0.02),
+        ("pendulum-over-by-a-millionth", 2, 0.1),
+    ],
+    "it is beyond its method, of one that is pushed from rest": [
+        ("pushed-from-rest", 1, 0.1),
+        ("torque-to-high-spin", 0, 0.1),
+        ("torque-to-high-spin", 1, 0.02),
+    ],
+}
+
+
+@pytest.mark.parametrize(("name", "which", "turn"), [*chain(*ACCUSED_OF_THE_LIBRARY.values())])
+def test_an_honest_run_of_the_library_is_not_accused_any_more(
+    name: str, which: int, turn: float
+) -> None:
+    """About 200 samples of a run of the engine that steps in these tests."""
+    scenario, method = library_scene(name), METHODS[which]
+    rate = fastest_rate(scenario, solve(scenario, scenario.times).trajectory.omega_body)
+    steps = min(60_000, round(scenario.window.duration * rate / turn))
+    samples = np.arange(0, steps + 1, max(1, steps // 200))
+    run = SteppedEngine().run(scenario, method, turn / rate, samples)
+    assert run.trajectory is not None
+    motion = run.trajectory
+    arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": motion.omega_body}
+    recording = Recording(Path("motion.csv"), arrays, {"timestep": repr(turn / rate)})
+    found = judged_motion(scenario, recording, method.order)
     assert found.explained_by == ()
     assert not found.is_beyond
 

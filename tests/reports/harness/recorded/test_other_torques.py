@@ -124,6 +124,12 @@ PLANTED: dict[str, tuple[Scenario, Torque, dict[str, np.ndarray], str]] = {
         {},
         "it moves as if there were no torque until t = 1.9",
     ),
+    "a drag that the scene lacks, and that is late": (
+        FREE.scenario,
+        lambda t, R, omega: -0.2 * omega * (t >= LATE),
+        {},
+        "all were as in the scene until t = 1.96 s, and from then on it were slowed by 0.2 N m s",
+    ),
 }
 
 
