@@ -30,7 +30,10 @@ _EXACT_BITS = 2200
 
 
 def _fma(_context: Any, x: Any, y: Any, z: Any) -> Any:
-    """Return x y + z rounded once, as fusedMultiplyAdd of IEEE 754-2008, section 5.4.1."""
+    """Return signature and code generator of x y + z, rounded once.
+
+    This is fusedMultiplyAdd of IEEE 754-2008, section 5.4.1.
+    """
 
     def generate(_: Any, builder: ir.IRBuilder, __: Any, arguments: Any) -> Any:
         return builder.fma(*arguments)

@@ -13,13 +13,13 @@ _ONE = mpf(1)
 class Problem:
     """Rotation of a rigid body about a fixed point (its pivot, else its centre of mass).
 
-    "axes" are the principal axes through that point; every quaternion is w, x, y, z.
+    In names, "axes" means the principal axes through that point; every quaternion is w, x, y, z.
     Equal moments are exactly equal here, so that a solver may test them with ``==``.
 
     Attributes
     ----------
-    moments : principal moments of inertia about the fixed point, kg m², without the moments of
-        rotors on free hinges about their axles
+    moments : principal moments of inertia about the fixed point, kg m². A rotor on a free hinge
+        contributes nothing about its axle
     q_world_axes : attitude at t = 0, of unit norm to working precision
     omega_axes : angular velocity at t = 0 along the principal axes, rad/s
     lever_axes : mass times the vector from the fixed point to the centre of mass, kg m; zero unless
@@ -74,12 +74,13 @@ class Problem:
     def heaving(self) -> mpf:
         """m l², kg m², with l the distance of tip and com of a body on a table; else 0.
 
-        On a table the com rises and falls, so that this is inertia that resists tilting.
+        A body that tilts on a table raises or lowers its com: m l² sin²β, with β the angle of
+        tilt, adds to its inertia against tilting.
         """
         return mp.sqrt(dot(self.tip_axes, self.tip_axes)) ** 2 * self.mass
 
     def lengthened(self, factor: mpf) -> "Problem":
-        """Return the problem with levers longer by a factor; lift-off does not end its motion."""
+        """Return the problem with levers longer by a factor; its motion continues past lift-off."""
         levers = {
             name: tuple(factor * component for component in getattr(self, name))
             for name in ("lever_axes", "tip_axes")

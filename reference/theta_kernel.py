@@ -1,8 +1,8 @@
 """Evaluates a top's motion from tables of theta quotients, at full speed in double precision.
 
-The argument and the phases grow with time without bound. They are products of a time and of a
-constant that is a double-double, whole turns are taken off exactly, and only the remainder is
-rounded: a billion periods on, the error is that of the first.
+The argument and the phases grow with time without bound. Each is the product of a time and of a
+constant in double-double. Whole turns are subtracted exactly, and only the rest is rounded: after a
+billion periods the error is that of the first.
 """
 
 import math
@@ -20,7 +20,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 Quaternion = tuple[float, float, float, float]
 
-#: Beyond this argument a motion that ends at the separatrix's saddle has arrived: e^-300 = 5e-131.
+#: On the separatrix, a motion is at its saddle beyond this argument: it is e^-300 = 5e-131 away.
 FAR = 300.0
 
 #: Rows of the tables: the quotients, and the denominator θ4.

@@ -7,8 +7,8 @@ attitude q = (Re A, −Im B, Re B, Im A) and the angular velocity W = ω2 + iω1
 
 (F. Klein & A. Sommerfeld, Über die Theorie des Kreisels, ch. VI; derivation:
 docs/explanation/closed-forms.md).
-Each class supplies θ, η, and the logarithmic derivative in time; the rate Ω and the factor G follow
-here in extended precision, and only sums of a few terms remain for the kernel.
+Each class of top supplies θ, η, and the logarithmic derivative of A, B and W in time. This module
+computes Ω and G from them in extended precision; the kernel then sums a few terms at each time.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ from .theta_kernel import ROWS, ThetaTables, evaluate
 #: Number of harmonics kept. Harmonic k is at most e^(−k² π/2) of the first (see `elliptic.TERMS`):
 #: the rest is < 4e-34.
 KERNEL_TERMS = 7
-#: Arguments inside half a cell, which is π/2 or more, at which Ω is computed and checked.
+#: Arguments x at which Ω is computed and checked, in the first half of a cell: it is >= π/2 long.
 CHECKED = (mpf(1) / 2, mpf(1))
 
 
@@ -187,8 +187,8 @@ def fitted(
     misfit = abs(factor * value - wanted[0]) + abs(factor * slope - wanted[1])
     residual = sum(abs(r - mpc(0, rate)) for r in rates) / max(abs(rate), clock.rate)
     residual += misfit / (abs(factor) * mp.sqrt(size))
-    # After a cell θ has changed sign; if it is hyperbolic, the factor that it leaves out changes
-    # its phase as well.
+    # From a cell to the next θ changes sign; the factor that a hyperbolic series leaves out changes
+    # the phase as well.
     turns_per_cell = mpf(1) / 2 - (numerator.eta / mp.pi if numerator.hyperbolic else 0)
     quotient = Quotient(
         scaled(numerator.real, abs(factor)),
