@@ -36,13 +36,13 @@ from .taylor_coefficients import (
 
 #: In this order: a lever times a vector fixed in the world; a torque fixed in the world; a torque
 #: fixed in the body, which is a constant; a torque proportional to ω; a force that keeps a point on
-#: a plane; an angular momentum fixed in the body, times ω.
+#: a plane; the cross product of ω and an angular momentum fixed in the body.
 Form = Literal["lever", "world", "constant", "linear", "plane", "momentum"]
 
 
-#: Changes of a problem's numbers, in extended precision, by the name of its attribute.
+#: Changes of a problem's numbers, in extended precision, by the attribute of `Problem`.
 Numbers = dict[str, Any]
-#: Changes by a unit of each parameter, by its name: a list for a vector, else a single change.
+#: Changes for one unit of each parameter, by its name: a list for a vector, one entry for a scalar.
 ByParameter = dict[str, list[Numbers] | Numbers]
 
 
@@ -88,10 +88,11 @@ class EffectTerms:
         next two axes j and k
     keeps : names of the conservation laws that hold although the effect turns the body
     facts : yields the derived numbers of a scene that the effect gives rise to
-    parameters : returns how the numbers in `posed` change by a unit of each parameter of the
-        effect; all constants are linear in these numbers
-    by_omega : returns how these numbers change by a change of ω at the start, rad/s, body axes
-    by_body : returns how these numbers change by a change of the body
+    parameters : returns how much the numbers in `posed` change for one unit of each parameter of
+        the effect; all constants are linear in these numbers
+    by_omega : returns how much these numbers change for a change of ω at the start, rad/s, body
+        axes
+    by_body : returns how much these numbers change for a change of the body
     """
 
     form: Form

@@ -95,13 +95,19 @@ def follow(
 ) -> FloatArray:
     """Return the states that the equations take S states to, after each of L successive spans.
 
-    The parameters are those of `follow_each` for one set of equations: `states` is (S, 7), `spans`
-    is (S, L), and `timestep` is one number.
+    Parameters
+    ----------
+    equations : one set of equations
+    states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
+    spans : s, (S, L)
+    timestep : s, of which each span is a multiple; 0 with `EXACT` and `APPROXIMATE`, which choose
+        their own
+    fastest : largest ‖ω‖ that is followed, rad/s
 
     Returns
     -------
-    (S, L, 7); for each given state nan from where a number leaves the range of doubles, or ‖ω‖
-    exceeds `fastest`
+    (S, L, 7); nan for a given state from the span on in which a number leaves the range of doubles,
+    or ‖ω‖ exceeds `fastest`
     """
     of_method = integrator, np.full(1, timestep), fastest
     return np.asarray(follow_each(equations, states[None], spans[None], *of_method)[0])
@@ -117,10 +123,8 @@ def follow_each(
 ) -> FloatArray:
     """Return the states that each of E sets of equations takes S states to, after each of L spans.
 
-    Each span begins in the state in which the span before it ends.
-
-    One call takes far less time than a call for each set, since Python's overhead exceeds the time
-    that most motions take.
+    Each span begins in the state in which the span before it ends. One call for all sets takes far
+    less time than a call for each, since Python's overhead exceeds the time that most motions take.
 
     Parameters
     ----------
@@ -133,8 +137,8 @@ def follow_each(
 
     Returns
     -------
-    (E, S, L, 7); for each given state nan from where a number leaves the range of doubles, or ‖ω‖
-    exceeds `fastest`
+    (E, S, L, 7); nan for a given state from the span on in which a number leaves the range of
+    doubles, or ‖ω‖ exceeds `fastest`
     """
     numbers = all_numbers(equations)
     if len(numbers) != len(spans):
@@ -271,7 +275,7 @@ def _step(
 
 @kernel
 def _kept_speed(y: FloatArray, fastest: float) -> float:
-    """Return ‖ω‖ of the state y, rad/s; make all of y nan if it is infinite or above `fastest`."""
+    """Return ‖ω‖ of the state y, rad/s; if it is inf or above `fastest`, make it and y nan."""
     omega = vector(y, 4)
     speed = math.sqrt(dot(omega, omega))
     if speed > fastest or speed == math.inf:

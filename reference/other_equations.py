@@ -20,15 +20,15 @@ BODY, WORLD, KEPT_IN_WORLD = 0, 1, 2
 #: for R = R_i(a) R_j(b) R_k(c): the components of ω are taken for the rates of these angles.
 FIRST_ANGLES = 3
 #: How vectors along world axes are turned to body axes: by Rᵀ, which is right; by R; not at all; or
-#: not at all, and the torque of gravity is computed along world axes.
+#: not at all, where the torque of gravity is first computed along world axes.
 TURNED_BACK, TURNED_ON, UNTURNED, TORQUE_UNTURNED = 0, 1, 2, 3
 
 
 class OtherEquations(Rows):
     """Numbers of one or several sets of equations of motion, SI.
 
-    Torques are along body axes unless their names say otherwise. The shapes below are those of one
-    set; of E sets each has a further first axis.
+    Torques are along body axes unless their names say otherwise. The shapes below are those for one
+    set; for E sets each array has a further first axis, of length E.
 
     I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world
     − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω + Σᵢ P eᵢ × Rᵀ eᵢ

@@ -252,17 +252,17 @@ def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 
 @called
 def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
-    """Return the ω, rad/s, body axes, at which an attitude turns whose Euler angles have `rates`.
+    """Return the angular velocity, rad/s, body axes, at which Euler angles change at given rates.
 
-    Equations that take ω for the rates of Euler angles turn it so. The result is nan where the
-    first and third axis coincide.
+    The attitude turns so if equations take the components of ω for these rates. The result is nan
+    where the first and third axis coincide.
 
     Parameters
     ----------
     e : numbers of the equations; `KINEMATICS` is the convention of the angles
     R : the attitude, body to world
-    rates : of the angles, rad/s: in their order if the first and third axis are the same, else of
-        the angles about x, y and z
+    rates : rates of the angles, rad/s: first, second and third angle if the first and third axis
+        are the same, else those about x, y and z
     """
     which = int(e[KINEMATICS]) - FIRST_ANGLES
     i, j, k = which // 9, which // 3 % 3, which % 3
@@ -298,10 +298,10 @@ def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 
 @called
 def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -> Vector:
-    """Return ω', rad/s², body axes, if an engine integrates L and takes a wrongly turned tensor.
+    """Return ω', rad/s², body axes, of an engine that integrates L and turns the tensor wrongly.
 
-    It computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. L, which changes
-    only by torques, is therefore Rᵀ I R ω.
+    It computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. Its L, which only
+    torques change, is therefore Rᵀ I R ω.
     """
     inverse = matrix(e, INVERSE)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), vector(e, KEPT), 1.0)

@@ -38,19 +38,19 @@ from .taylor import (
 from .taylor_coefficients import OMEGA, STATE, Q, Terms
 from .taylor_march import DONE, PAUSED, Tables
 
-#: Most steps of a march. A step takes some 15 µs, and is taken in up to thirty directions by two
-#: series.
+#: Most steps of a march. A step takes some 15 µs. A march is made for each of up to thirty numbers,
+#: by two series.
 MAX_STEPS = 100_000
 STEPS_AT_ONCE = 2_000
 #: If the relative uncertainty is above this, the next, more expensive series is tried.
 GOOD = 1e-12
-#: Orders of the series, from cheap to expensive. Beside a saddle second derivatives, and with them
-#: errors, are as large as the square of the first.
+#: Orders of the series, from cheap to expensive. Beside a saddle, second derivatives are as large
+#: as the squares of first ones, and errors grow with them.
 SERIES = (CHECK_ORDERS, TRUTH_ORDERS, FINE_ORDERS, Orders(40, 24))
 #: Relative rounding error of the start and the constants, which all series share: they are rounded
 #: to double-double.
 PAIR = EPS**2
-#: Number of rows or columns of an array that have one kind and unit.
+#: Number of adjacent columns of an array of derivatives that have the same unit.
 KIND = 3
 #: Derivatives of six numbers, (n, 6, k), by name.
 Arrays = dict[str, FloatArray]
@@ -169,14 +169,15 @@ def sensitivity(
 
 @dataclass(frozen=True, eq=False)
 class _Varied:
-    """A problem and how it changes, in double-double: the same for series of any order.
+    """A problem and its derivative by one number, in double-double, for series of any order.
 
     Attributes
     ----------
-    constants : constants of the equations, and their change
+    constants : constants of the equations, and their derivatives
     terms : which terms the equations have
-    start, tangent : ω and attitude, principal axes, in one row, and their change
-    tensor : δI, kg m², principal axes, (3, 3)
+    start : ω, rad/s, and the quaternion of the attitude, principal axes, in one row
+    tangent : the derivatives of `start`, in one row
+    tensor : δI, kg m² per unit of the number, principal axes, (3, 3)
     R_axes_body : matrix from body axes to principal axes, (3, 3)
     """
 
@@ -189,10 +190,7 @@ class _Varied:
 
 
 def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]:
-    """Return a function from a change of the problem to its `_Varied`.
-
-    A `_Varied` has the problem's constants and start, and their derivatives along the change.
-    """
+    """Return a function that returns the problem together with its derivative along a change."""
     # The effects of the scene, not only those that turn the body: a lever that is zero may have a
     # derivative that is not.
     terms = terms_of(problem, scenario.called_for & TERMS.keys())

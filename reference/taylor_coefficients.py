@@ -7,16 +7,17 @@ constant in the world as seen from the principal axes::
     q'   = ½ q ⊗ (0, ω)                                    q takes axes to world
     Γ'   = Γ × ω,  Σ' = Σ × ω                              Poisson: a fixed vector, seen turning
 
-On a table (scenarios/effects/table.py) with the tip at a from the centre of mass, U the upward
-normal as seen from the axes, b = a × U, u the ω' above, e = (m/I) b, and f = N/m::
+On a table (scenarios/effects/table.py) with normal force N, the tip at a from the centre of mass, U
+the upward normal as seen from the axes, b = a × U, u the ω' of Euler's equation above, e = (m/I) b,
+and f = N/m::
 
     U' = U × ω,  ω' = u + f e,  f (1 + b·e) = −g_z − a·(U' × ω) − b·u
 
 (Goldstein, Poole & Safko, Classical Mechanics, 3rd ed., §5.5, and §4.9 for vectors seen turning.)
 Right-hand sides are sums of products of two series, so that order n + 1 follows from orders 0..n
 by Cauchy products (Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 2.1), and f as
-a quotient. Γ, Σ and U are no part of the state, which could not keep them consistent with q: every
-step makes them anew from q, and only their higher orders come from their own equation.
+a quotient. Γ, Σ and U are not part of the state, because rounding would make them inconsistent with
+q: every step computes them from q, and only their higher orders from Poisson's equation.
 
 A series is an array with a row for each order and a column for each component.
 """

@@ -128,7 +128,8 @@ class Rotors:
 
         Parameters
         ----------
-        omega_body, spins : ω, body axes, (n, 3), and spins, (n, rotors), in n states, rad/s
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        spins : spins s of the rotors in these states, rad/s, (n, rotors)
         """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(self.along * (spins + turned))
@@ -157,11 +158,12 @@ class Rotors:
     def cancelling(
         self, spins: FloatArray, com_body: FloatArray, far: float = 0.0
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the sizes of terms that cancel in coordinates that turn with a rotor, (n,) each.
+        """Return the sizes of forces, N, and torques, N m, that cancel each other, (n,) each.
 
-        An engine with such coordinates adds up these terms with rounding errors in proportion to
-        their sizes. The sizes are those of forces, Σ m r s², N, and torques, Σ (C + m d r) s², N m,
-        with d a rotor's distance from the com and r = d + far that from the coordinates' origin.
+        They arise in coordinates that turn with a rotor. An engine that uses such coordinates sums
+        them, with rounding errors in proportion to their sizes: Σ m r s² of the forces and
+        Σ (C + m d r) s² of the torques, with m a rotor's mass, d its distance from the com, and
+        r = d + `far` a bound on that from the coordinates' origin.
 
         Parameters
         ----------
@@ -179,7 +181,7 @@ class Rotors:
         """Return sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
         The size of a rotor's angular momentum is C |s| + C |u·ω| at the start. It is zero only if
-        the rotor does not turn about its axle then, neither in the body nor with it.
+        at the start the rotor turns about its axle neither in the body nor together with it.
 
         Parameters
         ----------
@@ -208,7 +210,8 @@ class Rotors:
 
         Parameters
         ----------
-        omega_body, spins : as for `Rotors.kept`
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        spins : spins s of the rotors in these states, rad/s, (n, rotors)
         """
         turned = omega_body @ self.axes_body.T * (1 - self.is_free)
         return np.asarray((self.along * spins * turned).sum(axis=-1))
@@ -251,7 +254,7 @@ def without_free_axes(inertia: Tensor, rotors: Rotors) -> Tensor:
 def kept_exact(rotor: Rotor, omega_body: Vector) -> mpf:
     """Return the angular momentum that one rotor keeps, in extended precision, kg m²/s.
 
-    It is `Rotors.kept` at t = 0, when ω is `omega_body`, rad/s.
+    It is `Rotors.kept` at t = 0, where ω is `omega_body`, rad/s, body axes.
     """
     with mp.workdps(DIGITS):
         turned = dot(rotor.axis, omega_body) if rotor.hinge == "free" else mpf(0)

@@ -87,8 +87,9 @@ def normal_force(
 
     Parameters
     ----------
-    up_body, omega_body : ẑ of the world, and ω, rad/s, body axes, (n, 3) or (3,)
-    torque_body : T, N m, body axes, (n, 3) or (3,)
+    up_body : the world's vertical ẑ, body axes, (n, 3) or (3,)
+    omega_body : ω, rad/s, body axes, (n, 3) or (3,)
+    torque_body : T, all torque but that of N, including −ω × Iω, N m, body axes, (n, 3) or (3,)
     pull_world : acceleration of the com without the table, m/s², (3,)
     """
     circling = cross(omega_body, cross(omega_body, scenario.constraint.lever))
