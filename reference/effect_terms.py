@@ -227,7 +227,7 @@ def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
 
 
 def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
-    """Return how the rotors' constant angular momenta change by 1 rad/s more of each spin."""
+    """Return how much the rotors' constant angular momenta change for 1 rad/s of each spin."""
     rotors = scenario.rotors.each
     return {
         "spins": [

@@ -26,7 +26,7 @@ ODD_SINE, ODD_COSINE, EVEN_SINE, EVEN_COSINE = range(4)
 
 @dataclass(frozen=True)
 class Lattice:
-    """The periods that belong to a parameter m, in the working precision of their first use.
+    """The periods that belong to a parameter m, in mpmath's precision when they are first used.
 
     Attributes
     ----------
@@ -90,8 +90,8 @@ class Harmonics(NamedTuple):
 class Theta:
     """A theta function of s x − iη as a function of real x, up to a constant factor.
 
-    s is `stretch`. If it is hyperbolic, the factor exp(−(K'/πK)(s x − iη)²) of Jacobi's
-    transformation is left out, too; on the doubled lattice it has 2K' in place of K'.
+    s is `stretch`. If the series is hyperbolic, the factor exp(−(K'/πK)(s x − iη)²) of Jacobi's
+    transformation is left out, too; on the doubled lattice this factor has 2K' in place of K'.
 
     Attributes
     ----------
@@ -181,7 +181,7 @@ class Jacobi:
 
 
 def jacobi(lattice: Lattice) -> Jacobi:
-    """Return the Jacobi functions of a lattice, scaled by sn'(0) = cn(0) = dn(0) = 1."""
+    """Return the Jacobi functions of a lattice, scaled so that sn'(0) = cn(0) = dn(0) = 1."""
     below = theta(4, lattice)
     at_zero = below.value_and_slope(mpf(0))[0].real
     first, second, third = (theta(n, lattice) for n in (1, 2, 3))

@@ -32,8 +32,8 @@ from .other_rates import (
 #: Largest turn in a step of `EXACT` and of `APPROXIMATE`, rad. The error of a step of `EXACT` is
 #: then an ulp.
 TURN = 0.2
-#: Number of columns of a stage, which are q', ω' and the angular velocity at which the attitude
-#: turns; and the first column of this angular velocity.
+#: Number of columns of a Runge-Kutta stage, which are q', ω' and the angular velocity at which the
+#: attitude turns; and the first column of this angular velocity.
 STAGE, TURNS = 10, 7
 
 
@@ -70,7 +70,7 @@ EXACT = Integrator("", np.array(DOP853.A), np.array(DOP853.B))
 #: Twice as fast as `EXACT`, with half as many stages. Its error is `ERROR` a radian or less, unless
 #: the motion is unstable (tests).
 APPROXIMATE, ERROR = Integrator("", np.array(RK45.A), np.array(RK45.B)), 1e-7
-#: The integrators that are recognised.
+#: The integrators that are recognised in recordings.
 KNOWN = (
     Integrator("explicit Euler", *_EULER),
     Integrator("explicit Euler with the rotation vector ω h", *_EULER, is_exponential=True),
@@ -133,7 +133,7 @@ def follow_each(
     spans : s, (E, S, L)
     timesteps : s, (E,); each span is a multiple of its timestep; None with `EXACT` and
         `APPROXIMATE`, which choose their own
-    fastest : largest ‖ω‖ that is followed, rad/s, as computing takes time in proportion to it
+    fastest : largest ‖ω‖ that is followed, rad/s, because computing time is proportional to ‖ω‖
 
     Returns
     -------

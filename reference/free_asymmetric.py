@@ -9,8 +9,8 @@ Lifshitz, Mechanics, §37; derivation: docs/explanation/closed-forms.md)::
     A ∝ e^{iΩt} θ1(z + i σ η_A | q²)/√θ4(z | q)
     B ∝ e^{iΩt} θ1(z − i σ η_B | q²)/√θ4(z | q)        z = π u/2K, σ = 1 for the largest moment
 
-in a frame with z along L (C. G. J. Jacobi, J. reine angew. Math. 39 (1850) 293; Whittaker,
-Analytical Dynamics, §69).
+in a frame with z along L; η_A and η_B follow from the zeros of A and B (C. G. J. Jacobi, J. reine
+angew. Math. 39 (1850) 293; Whittaker, Analytical Dynamics, §69).
 """
 
 from dataclasses import dataclass

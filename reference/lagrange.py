@@ -50,7 +50,8 @@ def lagrange(problem: Problem) -> ClosedForm:
     Raises
     ------
     ValueError
-        If the body is not symmetric about its lever, gravity does not turn it, or a torque acts.
+        If the body is not symmetric about the line from pivot to com, if gravity exerts no torque,
+        or if anything else turns the body.
     """
     axis, kappa = symmetry_axis(problem), gravity_torque_scale(problem)
     if axis is None or kappa == 0 or not is_undriven(problem):
@@ -135,7 +136,7 @@ def _swinging(
     constants_of_motion: Constants,
     swing: Nutation,
 ) -> ClosedForm:
-    """Return the closed form of a top whose tilt swings.
+    """Return the closed form of a top whose tilt varies.
 
     Parameters
     ----------

@@ -64,7 +64,7 @@ class Constants(NamedTuple):
 
 
 def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """Return the constants of a start, with heights measured from one of the poles.
+    """Return the constants that follow from a start, with heights measured from one of the poles.
 
     The pole is the nearer one, or the upper one if the energy is just enough to reach it.
 
@@ -81,7 +81,7 @@ def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
 
 
 def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """Return the constants of a start, with heights measured from a given pole.
+    """Return the constants that follow from a start, with heights measured from a given pole.
 
     A difference of numbers that agree to working precision is set to zero.
 
@@ -106,7 +106,7 @@ def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf
 
 
 class Nutation(NamedTuple):
-    """The swing of a top's axis between u1 and u2.
+    """The nutation of a top's axis between u1 and u2, as the module's equations describe it.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class Nutation(NamedTuple):
 
 
 def nutation(start: Constants) -> Nutation | None:
-    """Return the swing that follows from a start; None if u is constant."""
+    """Return the nutation that follows from a top's constants; None if u is constant."""
     pole, delta = start.pole, start.delta
     d1, d2, d3 = turning_points(pole, start.b, start.d, start.excess, start.e)
     if equal(d1, d2):

@@ -1,7 +1,7 @@
 """Rows of named numbers: scalars, vectors and matrices, of one object or of many at once.
 
-All numbers of an object are one row of an array, so that compiled code takes the array as it is,
-and one expression in Python computes with a number of many objects.
+All numbers of an object are one row of an array. So compiled code can take the array as it is, and
+one expression of numpy computes a quantity for many objects.
 """
 
 from collections.abc import Sequence
@@ -29,7 +29,7 @@ class Entry:
         self.first = self.last = 0
 
     def __set_name__(self, owner: type["Rows"], name: str) -> None:
-        """Place the entry after the entries that the class has so far."""
+        """Give the entry its places, after those of the entries declared before it in the class."""
         self.first, self.last = owner.count, owner.count + prod(self.shape)
         owner.count = self.last
 

@@ -77,9 +77,9 @@ def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Soluti
 
     It is for studies of very many scenes, in which no verdict depends on a single scene. The
     motion is integrated by Taylor series, with a conditioning of NaN and an uncertainty without
-    the rounding of states. `solve` is called only if chaos, or growth of errors beside a saddle,
-    keeps the series from the last time: finding a closed form costs as much as hundreds of radians
-    of the series. The errors raised are those of `solve`.
+    the rounding of states. `solve` is called only if the series is not known to the last time, as
+    beside a saddle, where errors grow: finding a closed form costs as much as hundreds of radians of
+    the series. The errors raised are those of `solve`.
 
     Parameters
     ----------
@@ -297,11 +297,12 @@ def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 
 class _Known(NamedTuple):
-    """A motion by two series, up to the sample from which on they disagree.
+    """A motion computed by two series, up to the first sample at which they disagree.
 
     Attributes
     ----------
-    trajectory, coarser : the motion by the more and by the less expensive series
+    trajectory : the motion by the more expensive series
+    coarser : the motion by the less expensive one
     horizon, lifts_off : as in `Solution`
     """
 

@@ -50,11 +50,11 @@ def regular_precession(
     omega: Vector,
     rates: tuple[mpf, mpf],
 ) -> ClosedForm:
-    """Return steady precession and spin at a constant tilt.
+    """Return the closed form of steady precession and spin at a constant tilt.
 
     Parameters
     ----------
-    frames : the frames of the top and of the world between which A and B are the attitude
+    frames : the frame fixed in the top and the one fixed in the world that A and B relate
     start : A and B at t = 0
     omega : angular velocity at t = 0 along the axes of the top's frame, rad/s
     rates : rates of the phases of A and B, rad/s, (α' + γ')/2 and (α' − γ')/2. As A' is

@@ -73,7 +73,7 @@ def _move(series: Dual, tensor: Table, n: int) -> None:
 def _add_inertia(
     series: Dual, constants: Dual, inverses: Dual, terms: Terms, tensor: Table, n: int
 ) -> None:
-    """Add the contribution of a change δI to order n of δω', once order n of ω' is computed."""
+    """Add the contribution of a change δI to order n of δω'; order n of ω' must be known."""
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)
     for i in range(3):

@@ -223,7 +223,7 @@ def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
 
 @kernel
 def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
-    """Add a table's force to order n + 1 of ω, once order n of ω' without the force is known.
+    """Add a table's force to order n + 1 of ω, given order n of ω' without the force.
 
     `extend` repeats these lines, because a call there costs a fifth of the time.
     """

@@ -33,15 +33,15 @@ class ThetaTables(NamedTuple):
     Attributes
     ----------
     hyperbolic : whether harmonics are sinh and cosh
-    endless : whether the motion never repeats: its argument is not reduced
+    endless : whether the motion never repeats, on a separatrix: its argument is not reduced
     clock : (3, 2) double-doubles: cells per second, cells at t = 0, and argument per cell. A cell
         is a half period 2K of sn and cn, or 1 for a motion that never repeats
     kinds : (ROWS, 2) kind of harmonics of the real and the imaginary part
     coefficients : (ROWS, 2, n) coefficients of the harmonics
     halved : (ROWS,) whether the series is in x/2
     power : (ROWS,) power of √θ4 in the denominator
-    phases : (ROWS, 3, 2) double-doubles: turns per second, at t = 0, per cell
-    left, right : (4,) quaternions that the quaternion of A and B is multiplied by on each side
+    phases : (ROWS, 3, 2) double-doubles: each phase in turns, per second, at t = 0 and per cell
+    left, right : (4,) quaternions by which that of A and B is multiplied on the left and the right
     axes : (3, 3) matrix from ω in the frame of A, B and W to ω along the principal axes
     """
 

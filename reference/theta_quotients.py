@@ -145,10 +145,10 @@ def turning(value: mpc, rate: mpf = 0) -> Quotient:
 
 
 def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Quotient:
-    """Return a quotient with the denominator θ4 whose phase changes only from cell to cell.
+    """Return the quotient (real + i imaginary)/θ4, with a phase that changes only between cells.
 
-    `turns_per_cell`, its change by each cell, is half a turn for a function that changes its sign
-    from cell to cell, else 0.
+    `turns_per_cell` is that change from one cell to the next, in turns: 1/2 for a function that
+    changes its sign, else 0.
     """
     return Quotient(real, imaginary, False, 2, mpf(0), mpf(0), turns_per_cell)
 

@@ -50,7 +50,7 @@ class Rotor:
 
     @cached_property
     def body(self) -> Body:
-        """The rotor by itself, in the axes and from the origin of the body it is part of."""
+        """The rotor alone as a body, in the axes and from the origin of the one it is part of."""
         return Body(self.mass, self.position, self.inertia)
 
     @property
@@ -200,7 +200,8 @@ class Rotors:
 
         Parameters
         ----------
-        omega_body, spins : as for `Rotors.kept`
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        spins : spins s of the rotors in these states, rad/s, (n, rotors)
         """
         turned = omega_body @ self.axes_body.T
         return np.asarray((self.along * spins * (turned + spins / 2)).sum(axis=-1))

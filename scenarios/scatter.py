@@ -1,6 +1,6 @@
 """Members of an ensemble: a scene with its start and its body scattered at random.
 
-The distribution, with every n a standard normal of its own:
+The distribution, in which each n is another standard normal number:
 
 - attitude: uniform on SO(3) where no direction of the world is special; where gravity or a torque
   fixed in the world acts, the scene's, turned about the body axes by the rotation vector

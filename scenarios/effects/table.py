@@ -122,7 +122,8 @@ def force(
 
     Parameters
     ----------
-    R_world_body, omega_body : attitude and ω, rad/s, body axes, of n states or of one
+    R_world_body : rotation matrices, body to world, (n, 3, 3) or (3, 3)
+    omega_body : ω, rad/s, body axes, (n, 3) or (3,)
     kept_body : angular momentum of the rotors, kg m²/s, body axes, (n, 3) or (3,)
     """
     omega_world = (R_world_body * omega_body[..., None, :]).sum(-1)
@@ -143,7 +144,7 @@ def check(scenario: Scene, stated: StartTable) -> None:
     Raises
     ------
     Misfit
-        If it does not, or if a pivot holds the body as well.
+        If it does not start so, or if a pivot holds the body as well.
     """
     if PIVOT in scenario.acting:
         raise Misfit("does not go with a pivot: both hold the body; remove one", *WHERE)
@@ -169,7 +170,7 @@ def check(scenario: Scene, stated: StartTable) -> None:
 
 
 def _check_stated(scenario: Scene, stated: StartTable) -> None:
-    """Raise `Misfit` if a stated position or velocity has another z than a body on the table."""
+    """Raise `Misfit` if a stated position or velocity has not the z of a body on the table."""
     start, lever = scenario.start, float(np.linalg.norm(scenario.constraint.lever))
     length_scale = lever + abs(start.position_world[2])
     speed_scale = lever * float(np.linalg.norm(start.omega_body))
