@@ -31,6 +31,7 @@ class CrossCheck:
 
     Attributes
     ----------
+    trajectory : the motion
     steps : an upper bound on the number of steps taken
     tolerance : relative error allowed in each step
     """
@@ -43,7 +44,7 @@ class CrossCheck:
 def times_within_reach(scenario: Scenario, exact: Trajectory) -> FloatArray:
     """Return the sample times, s, that DOP853 reaches within some seconds of computing.
 
-    If it does not reach all of them, the time at which it is stopped is appended.
+    If it does not reach all of them, the time at which it would be stopped is appended.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ from .kernel import kernel
 
 DoubleDouble = tuple[float, float]
 
-# Enough for the difference of any two doubles: their bits span 2⁻¹⁰⁷⁴ to 2¹⁰²³.
+# Precision in which the difference of any two doubles is exact: their bits span 2⁻¹⁰⁷⁴ to 2¹⁰²³.
 _EXACT_BITS = 2200
 
 

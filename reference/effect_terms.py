@@ -1,9 +1,10 @@
 """What each effect adds to the equations of motion: its numbers, and its terms of ω'.
 
-Here also stand the conservation laws that each effect leaves valid, and its own derived facts.
+Each entry also names the conservation laws that the effect leaves valid, and yields derived facts
+of its own.
 
-A term has one of the forms that `taylor_coefficients` knows the series of. A pivot has no term: it
-is why the equations are about the body's origin.
+A term has one of the forms whose series `taylor_coefficients` computes. A pivot adds no term,
+because the equations are about the point that it holds.
 """
 
 from collections.abc import Callable, Iterator

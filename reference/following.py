@@ -46,11 +46,11 @@ class Integrator(NamedTuple):
     Attributes
     ----------
     name : name of the integrator
-    a, b : explicit Butcher tableau, (stages, stages) and (stages,)
+    a, b : coefficients of an explicit Runge-Kutta method, (stages, stages) and (stages,)
     turned_by : whether the attitude is advanced with ω of all stages, `STAGES`, or only with ω at
         the step's start, `START`, or at its end, `END`
-    is_exponential : whether the attitude is turned by the rotation vector of ω over the step,
-        instead of q' being added
+    is_exponential : whether the attitude is turned by the rotation vector ω h, with h the step, and
+        not advanced by adding h q'
     keeps_length : whether ω is scaled after a step so that I ω keeps its length
     """
 
@@ -309,7 +309,7 @@ def _follow(
                     steps = max(1, round(span / timestep))
                 else:
                     turn = speed + e[RATE]
-                    # A state that is not finite is not integrated further.
+                    # For a state that is not finite, one step is enough.
                     steps = 1 + int(min(turn * abs(span) / TURN, 1e5)) if turn < 1e300 else 1
                 h = span / steps
                 for _ in range(steps):

@@ -39,7 +39,7 @@ from .theta_quotients import (
 
 #: Decimal digits in which products of five doubles, and differences of these, are exact.
 EXACT_DIGITS = 3 * DIGITS
-SIGN_CHANGE = mpf(1) / 2  # the phase in turns by which theta changes in each half period
+SIGN_CHANGE = mpf(1) / 2  # a change of sign in each half period, as a phase in turns
 
 
 @dataclass(frozen=True)

@@ -212,7 +212,7 @@ def steady_precession_rates(top: HeavySymmetricTop, cos_beta: mpf) -> tuple[floa
         discriminant = mpf(0) if equal(square, least) else square - least
         if discriminant < 0 or (lead == 0 and top.p_gamma == 0):
             return ()
-        # The half of the usual formula that adds like signs; the other root by Viète.
+        # The root of the usual formula in which like signs add; the other one follows by Viète.
         larger = (top.p_gamma + (-1 if top.p_gamma < 0 else 1) * mp.sqrt(discriminant)) / 2
         slow = float(top.kappa / larger)
         if lead == 0 or discriminant == 0:

@@ -117,8 +117,8 @@ def _of_body(
     arm = com if scenario.constraint.is_pivot else com - whole_com
 
     def change(inertia: Array, heavier: mpf, moved: Array) -> Change:
-        # The change of m (r·r 1 − r rᵀ). A tensor about a com that itself moves does not change to
-        # first order.
+        # The change of m (r·r 1 − r rᵀ). If the tensor is about the com of the whole body, that
+        # this com moves, too, changes the tensor to second order only.
         square = 2 * (arm @ moved) * _UNITS - np.outer(arm, moved) - np.outer(moved, arm)
         point = (arm @ arm) * _UNITS - np.outer(arm, arm)
         tensor = inertia + heavier * point + mass * square

@@ -78,8 +78,8 @@ def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Soluti
     It is for studies of very many scenes, in which no verdict depends on a single scene. The
     motion is integrated by Taylor series, with a conditioning of NaN and an uncertainty without
     the rounding of states. `solve` is called only if the series is not known to the last time, as
-    beside a saddle, where errors grow: finding a closed form costs as much as hundreds of radians of
-    the series. The errors raised are those of `solve`.
+    beside a saddle, where errors grow: finding a closed form costs as much as hundreds of radians
+    of the series. The errors raised are those of `solve`.
 
     Parameters
     ----------

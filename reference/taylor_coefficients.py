@@ -46,7 +46,8 @@ OMEGA, Q, STATE, GRAVITY, TORQUE, UP = 0, 3, 7, 7, 10, 13
 # On a table: U', b, e, u; 1 + b·e and f.
 UP_RATE, ARM, GAIN, OTHER, MOBILITY, PRESSED, COLUMNS = 16, 19, 22, 25, 28, 29, 30
 
-# Rows of the table of constants, one column an axis; "and cyclic" for the other two axes.
+# Rows of the table of constants. Each has a column for each axis; "and cyclic" means that those of
+# the other two axes follow by cyclic permutation.
 EULER = 0  # (I₂ − I₃)/I₁ and cyclic
 LEVER_NEXT = 1  # ℓ₂/I₁ and cyclic, 1/m
 LEVER_AFTER = 2  # −ℓ₃/I₁ and cyclic, 1/m
@@ -58,7 +59,7 @@ TORQUE_WORLD = 7  # N m
 TIP = 8  # a, m
 MASS_OVER_MOMENT = 9  # m/I, 1/m²
 UP_WORLD = 10
-DOWN_AND_RADIUS = 11  # −g_z, m/s², the radius of the tip, m, and 1 if a lift-off ends it
+DOWN_AND_RADIUS = 11  # −g_z, m/s²; radius of the tip, m; 1 if lift-off ends the motion, else 0
 MOMENTUM = 12  # h, kg m²/s
 ROWS = 13
 

@@ -121,7 +121,7 @@ def _find_one(name: str) -> list[Path]:
     try:
         if path.exists() and not path.is_dir():
             return [path]
-        # Pages and messages name a scene in this way.
+        # Pages and messages name a scene by the stem of its file.
         if is_scene_name(name) and file.is_file():
             return [file]
     except OSError as error:  # such as a name that is too long

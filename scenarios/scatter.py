@@ -85,7 +85,7 @@ def _inertia(body: Body, n: FloatArray) -> list[Any]:
     n : three standard normals, by which the second moments of mass are scattered
     """
     tensor = body.inertia_com
-    # ∫ r rᵀ dm, of which the inertia is the trace times the unit matrix less itself.
+    # ∫ r rᵀ dm: the inertia is its trace times the unit matrix, less the matrix itself.
     second = np.trace(tensor) / 2 * np.eye(3) - tensor
     diagonal = not np.any(tensor - np.diag(np.diag(tensor)))
     sizes, axes = (np.diag(second), np.eye(3)) if diagonal else np.linalg.eigh(second)

@@ -221,7 +221,7 @@ class Effect:
         where the factor stands
     force : returns the upward force of a constraint that cannot pull, N, (n,)
     answer : returns torque and acceleration that include the force of such a constraint
-    place_formula : formula of the place that a constraint keeps
+    place_formula : formula of the place that a constraint holds constant
     group : heading of scenes with the effect in lists of scenes; the last effect of a scene decides
     """
 

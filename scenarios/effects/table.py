@@ -170,7 +170,7 @@ def check(scenario: Scene, stated: StartTable) -> None:
 
 
 def _check_stated(scenario: Scene, stated: StartTable) -> None:
-    """Raise `Misfit` if a stated position or velocity has not the z of a body on the table."""
+    """Raise `Misfit` unless stated position and velocity have the z of a body on the table."""
     start, lever = scenario.start, float(np.linalg.norm(scenario.constraint.lever))
     length_scale = lever + abs(start.position_world[2])
     speed_scale = lever * float(np.linalg.norm(start.omega_body))
