@@ -48,7 +48,7 @@ def is_compiled() -> bool:
 
 
 def compile_march() -> None:
-    """Compile the kernels of the ODE integrator, which takes half the time of `compile_kernels`."""
+    """Compile the kernels of the ODE integrator, in half the time of `compile_kernels`."""
     for scenario in _scenes():
         solve_ode(scenario, scenario.times)
 

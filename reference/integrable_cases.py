@@ -39,7 +39,7 @@ Frame = tuple[Vector, Vector, Vector]
 def kovalevskaya_frame(problem: Problem) -> Frame | None:
     """Return the axes e1, e2, e3 of a Kovalevskaya top, in principal components.
 
-    They are those that the module defines; None for any other top.
+    They are the axes that the module defines. The result is None for any other top.
     """
     return _equatorial_frame(problem, KOVALEVSKAYA_RATIO)
 
@@ -47,7 +47,7 @@ def kovalevskaya_frame(problem: Problem) -> Frame | None:
 def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
     """Return the axes e1, e2, e3 of a Goryachev–Chaplygin top, in principal components.
 
-    It is None for any other top, and if L·ĝ is not 0 at t = 0.
+    The result is None for any other top, and if L·ĝ is not 0 at t = 0.
     """
     frame = _equatorial_frame(problem, GORYACHEV_CHAPLYGIN_RATIO)
     if frame is None:
@@ -67,7 +67,10 @@ def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArr
 
 
 def goryachev_chaplygin(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
-    """Return Goryachev–Chaplygin's constant on a motion, rad³/s³, (n,); `frame` has e1, e2, e3."""
+    """Return the Goryachev–Chaplygin constant along a trajectory, rad³/s³, (n,).
+
+    `frame` has e1, e2, e3.
+    """
     omega, gamma = _along(problem, frame, motion)
     weight = pull_over_third_moment(problem, frame)
     across = omega[:, 0] ** 2 + omega[:, 1] ** 2

@@ -74,15 +74,15 @@ class Sensitivity:
 
         - `inertia` (n, 6, 6), by the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz of the tensor about the
           com, kg m², body axes, which stays symmetric
-        - `moments` (n, 6, 3), by the principal moments about the com, kg m², whose axes stay
+        - `moments` (n, 6, 3), by the principal moments about the com, kg m², at constant axes
         - `mass` (n, 6), kg; `com` (n, 6, 3), from the body's origin, m, body axes
         - the parameters of effects: `gravity` (n, 6, 3), m/s², world axes; constant torques
           (n, 6, 3), N m, in the axes that they are constant in; coefficients (n, 6); the spins of
           rotors at t = 0 (n, 6, rotors), rad/s, zero for rotors that cannot turn
-    translation : None on a pivot; of other bodies, arrays of the same names and columns whose rows
-        are the com, m, and its velocity, m/s, world axes. `state_transition`, (n, 6, 12), has
+    translation : None on a pivot; for other bodies, arrays with the same names and columns, whose
+        rows are the com, m, and its velocity, m/s, world axes. `state_transition`, (n, 6, 12), has
         further columns for com and velocity at t = 0, zero along axes along which the body is held
-    rate : fastest rate of the motion, rad/s: the unit of ω in the two attributes below
+    rate : fastest rate of the motion, rad/s: the unit of ω in `conditioning` and `uncertainty`
     conditioning : (n,), the largest singular value of the state transition: the largest factor by
         which a small change of the start grows
     uncertainty : for each array, by its name, a bound on its errors relative to its largest value,
@@ -391,8 +391,8 @@ def _apart(
 def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
     """Return the largest difference relative to the largest value.
 
-    Columns of different units are compared apart; the largest of their ratios is returned, 0 for
-    values that are all zero.
+    Columns of different units are treated separately, and the largest of their ratios is returned.
+    A ratio is 0 if all values in its columns are zero.
 
     Parameters
     ----------

@@ -198,7 +198,9 @@ def constants_of(problem: Problem) -> Tables:
 
 
 def derived_constants(problem: Problem, changed: Problem) -> Tables:
-    """Return the derivatives of `constants_of` with respect to a number in which they are linear.
+    """Return the derivatives of the constants of `constants_of` by a number they are linear in.
+
+    They are high and low parts, (ROWS, 3) each.
 
     Parameters
     ----------

@@ -275,9 +275,8 @@ def _scaled_plus_cross(scale: Number, a: Vector, b: Vector) -> Vector:
 def see_world_vector(series: Table, constants: Table, row: int, column: int) -> None:
     """Write order 0 of q̄ v q: a vector v that is constant in the world, along the principal axes.
 
-    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that take the norm of q for 1 are
-    shorter, but disagree with Γ' = Γ × ω where rounding has changed the norm; this formula only
-    scales Γ.
+    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that assume |q| = 1 are shorter, but
+    disagree with Γ' = Γ × ω where rounding has changed |q|; in this formula |q| only scales Γ.
 
     Parameters
     ----------

@@ -66,7 +66,7 @@ def step_size(coefficients: FloatArray, order: int) -> float:
 
     It is computed from the last two of N orders, as in Jorba & Zou 2005, section 3. The size of the
     state is 1 for q, and for ω the larger of ‖ω‖ and its change in the step, so that a body may
-    start from rest. It is infinite for a body that stays at rest, and 0 where numbers overflowed.
+    start from rest. The step is inf for a body that stays at rest, and 0 where numbers overflowed.
     """
     speed = row_size(coefficients, 0, OMEGA, OMEGA + 3)
     gain = row_size(coefficients, 1, OMEGA, OMEGA + 3)
