@@ -82,13 +82,13 @@ class EffectTerms:
     Attributes
     ----------
     form : form of the effect's term
-    posed : returns the effect's numbers, by the names of the attributes of `Problem` that hold
-        them, given the scene and the quaternion from body axes to principal axes
+    posed : returns the effect's numbers, by attribute of `Problem`, given the scene and the
+        quaternion from body axes to principal axes
     turns : returns whether the effect turns the body of a problem at all
-    constants : returns constants of `taylor_coefficients` by their rows, for one axis i and the
-        next two axes j and k
+    constants : returns the effect's constants, by the rows that `taylor_coefficients` names, for
+        one axis i and the next two axes j and k
     keeps : names of the conservation laws that hold although the effect turns the body
-    facts : yields the derived numbers of a scene that the effect gives rise to
+    facts : yields the derived numbers of a scene that come from the effect
     parameters : returns how much the numbers in `posed` change for one unit of each parameter of
         the effect; all constants are linear in these numbers
     by_omega : returns how much these numbers change for a change of ω at the start, rad/s, body

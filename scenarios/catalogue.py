@@ -97,7 +97,10 @@ def _library() -> list[Path]:
 
 
 def _of_current_folder(name: str) -> Iterator[Path]:
-    """Yield the existing paths in the current folder that a name without an ending stands for."""
+    """Yield the paths in the current folder, outside the library, that a name stands for.
+
+    A name that ends in `.toml` stands for none of them, as it cannot be that of a library's scene.
+    """
     if name.endswith(".toml"):
         return
     for path in (Path(name), Path(f"{name}.toml")):

@@ -142,16 +142,20 @@ class Rotors:
         Parameters
         ----------
         omega_body : ω in n states, rad/s, body axes, (n, 3)
-        kept : as `Rotors.kept` returns them, kg m²/s, (n, rotors) or (rotors,)
+        kept : what `Rotors.kept` returns, kg m²/s, (n, rotors) or (rotors,)
         """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """Return the vector sum of the angular momenta `kept`, kg m²/s, body axes, (n, 3).
+        """Return the vector sum of the rotors' angular momenta, kg m²/s, body axes, (n, 3) or (3,).
 
-        The angular momentum L is I ω plus this sum, if I leaves out the axial moments of free
-        rotors.
+        The angular momentum L is I ω plus this sum, if I leaves out the axial moments of rotors on
+        free hinges.
+
+        Parameters
+        ----------
+        kept : what `Rotors.kept` returns, kg m²/s, (n, rotors) or (rotors,)
         """
         return np.asarray(kept @ self.axes_body)
 

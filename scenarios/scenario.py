@@ -119,7 +119,7 @@ class Scenario:
 
     @cached_property
     def constraint(self) -> Constraint:
-        """How the body is held."""
+        """The constraint that holds the body; that of a free body holds along no axis."""
         return _constraint(self.document, self.body)
 
     @property

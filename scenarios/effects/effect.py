@@ -94,7 +94,7 @@ class Scene(Protocol):
 
     @property
     def constraint(self) -> Constraint:
-        """How the body is held."""
+        """The constraint that holds the body; that of a free body holds along no axis."""
 
     @property
     def inertia(self) -> FloatArray:
