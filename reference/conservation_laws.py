@@ -201,7 +201,7 @@ def _is_left(law: str) -> Callable[[InvariantScales], bool]:
 
 
 def _is_heavy(scene: InvariantScales) -> bool:
-    """Whether an effect pulls at a lever along the vertical, and none changes L's vertical part."""
+    """Whether a vertical force turns the body, and no effect changes the vertical part of L."""
     pulls = any(TERMS[name].pulls for name in turning(scene.problem))
     return pulls and _is_left("L_vertical")(scene)
 

@@ -108,7 +108,7 @@ class EffectTerms:
 
     @property
     def pulls(self) -> bool:
-        """Whether the effect pulls at a lever along a direction that is fixed in the world."""
+        """Whether the effect is a force of fixed direction in the world that exerts a torque."""
         return self.form in ("lever", "plane")
 
 

@@ -75,16 +75,16 @@ def lagrange(problem: Problem) -> ClosedForm:
 
 
 def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
-    """Return the rotations of a frame with z upward, and of the top's frame with the axes `triad`.
+    """Return the frames of A and B: one in the world with z upward, and one in the top.
 
-    `triad` is in principal components.
+    The axes of the latter are `triad`, in principal components.
     """
     up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
     return Frames(conjugate(_upright(up_world)), from_matrix(triad), triad)
 
 
 def _upright(up: Vector) -> Quaternion:
-    """Return a quaternion that turns the unit vector `up` to z; exactly 1 if `up` is z."""
+    """Return a quaternion that turns the unit vector `up` to z; exactly (1, 0, 0, 0) for z."""
     x, y, z = up
     if z < 0:
         return product(_upright((x, -y, -z)), (mpf(0), mpf(1), mpf(0), mpf(0)))

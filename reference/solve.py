@@ -115,7 +115,7 @@ class ExactMotion:
         return _solve_ode(self._scenario, self._problem, times)
 
     def solve_each(self, rows: Sequence[FloatArray]) -> list[Solution]:
-        """Return the motion at each of several rows of times, computed for all rows together.
+        """Return the motion at each of several rows of times, (n,) s, computed for all together.
 
         Uncertainty and conditioning are those over all times, and so upper bounds for each row.
         """
@@ -210,11 +210,12 @@ def _solve_closed(
 
 
 def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -> Errors:
-    """Return how far a closed form, `by_form`, is from the ODE while the ODE is accurate.
+    """Return how far the motion by a closed form is from that by the ODE, while that is accurate.
 
     Beside a saddle the ODE's solution is inaccurate: its rounding error grows, and that of the
-    closed form does not. If the two differ, the closed form is compared with the most expensive
-    series instead, up to the sample where the usual series departs from that series.
+    closed form does not. If the two differ by more than rounding, the closed form is compared with
+    the series of `FINE_ORDERS` instead, up to the sample where the series of `TRUTH_ORDERS` departs
+    from it.
     """
 
     def by_ode(orders: Orders) -> Trajectory:
@@ -280,7 +281,7 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 
 def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
-    """Return the solution by the ODE without conditioning, which would take twice as long.
+    """Return the solution by the ODE, without its conditioning, which takes twice as long.
 
     Conditioning is NaN, and uncertainty does not include the errors that `rounding_of` returns.
     """

@@ -22,7 +22,7 @@ def perturbation_rate_squared(moments: Vector, axis: int, rate: float) -> float:
     ----------
     moments : principal moments, kg m²
     axis : k, 0 to 2
-    rate : rad/s
+    rate : ω_k, rad/s
     """
     with mp.workdps(DIGITS):
         I_k, I_i, I_j = (moments[(axis + shift) % 3] for shift in range(3))

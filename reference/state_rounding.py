@@ -67,7 +67,7 @@ def moved_states(
 
 
 def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:
-    """Return a motion whose com and velocity follow from attitude and ω along held axes."""
+    """Return the motion with com and velocity along held axes computed from attitude and ω."""
     constraint = scenario.constraint
     swing_world = motion.to_world(np.cross(motion.omega_body, constraint.lever))
     return replace(

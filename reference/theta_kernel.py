@@ -60,10 +60,10 @@ class ThetaTables(NamedTuple):
 
 @kernel
 def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, float]:
-    """Return the argument at a time t in cells, split into whole cells and a rest.
+    """Return the theta functions' argument at a time t, s, in cells: whole cells, and the rest.
 
-    The rest is a double-double, high and low part, in [-1/2, 1/2] cells; of an endless motion it is
-    the whole argument.
+    The rest is a double-double, as high and low part, in [-1/2, 1/2]. For an endless motion the
+    number of whole cells is 0, and the rest is all of the argument.
     """
     p, e = two_prod(t, clock[0, 0])
     s, f = two_sum(p, clock[1, 0])
@@ -74,7 +74,10 @@ def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, flo
 
 @kernel
 def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
-    """Return cosine and sine of a phase that is t · phase[0] + phase[1] + cell · phase[2] turns."""
+    """Return cosine and sine of the phase t · phase[0] + phase[1] + cell · phase[2], in turns.
+
+    Each row of `phase` is a double-double.
+    """
     p, e = two_prod(t, phase[0, 0])
     r, f = two_prod(cell, phase[2, 0])
     s, g = two_sum(p - np.rint(p), r - np.rint(r))
@@ -135,7 +138,7 @@ def _product(p: Quaternion, q: Quaternion) -> Quaternion:
 
 @kernel
 def _quotients(t: float, tables: ThetaTables, values: FloatArray) -> None:
-    """Write real and imaginary part of A, B, W and ω3 at a time into values, (ROWS, 2)."""
+    """Write real and imaginary part of A, B, W and ω3 at a time t, s, into `values`, (ROWS, 2)."""
     cell, high, low = _cell(t, tables.clock, tables.endless)
     if tables.endless:
         high = min(max(high, -FAR), FAR)

@@ -125,7 +125,7 @@ class Frames(NamedTuple):
     Attributes
     ----------
     q_left, q_right : q_world_axes = q_left q(A, B) q_right
-    columns_axes : unit vectors of the frame of W, along the principal axes
+    columns_axes : vectors c1, c2, c3 in principal components: ω is ω1 c1 + ω2 c2 + ω3 c3
     """
 
     q_left: Quaternion
@@ -241,7 +241,7 @@ def _clock_constants(clock: Clock | None, endless: bool) -> FloatArray:
 
 
 def _without_phase(clock: Clock, numerator: Theta, power: int, x: mpf) -> tuple[mpc, mpc]:
-    """Return θ/√θ4^power at real x, and its derivative with respect to x."""
+    """Return θ/√θ4^power at real x, with θ the numerator, and its derivative by x."""
     above, above_slope = numerator.value_and_slope(x)
     below, below_slope = (part.real for part in clock.theta4.value_and_slope(x))
     root = mp.sqrt(below) ** power

@@ -50,7 +50,7 @@ class Rotor:
 
     @cached_property
     def body(self) -> Body:
-        """The rotor alone as a body, in the axes and from the origin of the one it is part of."""
+        """The rotor by itself as a rigid body, in the frame of the body that carries it."""
         return Body(self.mass, self.position, self.inertia)
 
     @property
@@ -110,7 +110,7 @@ class Rotors:
 
     @cached_property
     def axial_body(self) -> FloatArray:
-        """C u of each rotor; times the rotor's spin it is the spin's part of L, kg m², (rotors, 3).
+        """C u of each rotor, kg m², (rotors, 3): its spin times this is the spin's part of L.
 
         It is zero for a locked rotor.
         """

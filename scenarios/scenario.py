@@ -146,7 +146,7 @@ class Scenario:
 
     @cached_property
     def kept_at_start(self) -> FloatArray:
-        """The angular momenta of the rotors that `kept` returns, at t = 0, kg m²/s, (rotors,)."""
+        """The rotors' constant angular momenta at t = 0, as of `kept`, kg m²/s, (rotors,)."""
         return self.kept(self.start.omega_body, self.start_spins)
 
     @property

@@ -87,7 +87,7 @@ class Scene(Protocol):
 
     @property
     def kept_at_start(self) -> FloatArray:
-        """The angular momenta of the rotors that `kept` returns, at t = 0, kg m²/s, (rotors,)."""
+        """The rotors' constant angular momenta at t = 0, as of `kept`, kg m²/s, (rotors,)."""
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
         """Return the vector sum of the rotors' momenta `kept`, kg m²/s, body axes, (n, 3)."""
