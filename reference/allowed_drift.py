@@ -2,7 +2,7 @@
 
 A law's quantity Q is a function of ω, attitude, and position and velocity of the centre of mass.
 To first order the error of Q is the sum of the changes that the error of each state component
-makes in it. The allowed drift is twice that sum, because Q(t) and Q(0) both err.
+makes in it. The allowed drift is twice that sum, because Q(t) and Q(0) both have such an error.
 """
 
 import numpy as np

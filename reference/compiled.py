@@ -48,7 +48,7 @@ def is_compiled() -> bool:
 
 
 def compile_march() -> None:
-    """Compile the kernels of the ODE integrator, which takes half the time of `compile_kernels`."""
+    """Compile the kernels of the ODE integrator, in half the time of `compile_kernels`."""
     for scenario in _scenes():
         solve_ode(scenario, scenario.times)
 
@@ -65,7 +65,7 @@ def compile_flow() -> None:
 
 
 def compile_kernels() -> None:
-    """Call each kernel once, so that numba compiles it or loads it; not those of sensitivities."""
+    """Call each kernel once, except those of sensitivities, so that numba compiles or loads it."""
     compile_march()
     compile_flow()
     if FOLDER is not None:

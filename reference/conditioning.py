@@ -5,10 +5,10 @@ moments, the length of the lever, and the constant angular momenta of the rotors
 the same amount relative to itself, a component of ω relative to |ω|. Equal moments stay equal and
 the lever keeps its direction, because rounding during a run does not change a body's symmetry.
 
-To first order the change of the motion is J x, where x holds the dozen or so changes ("nudges").
-It is measured for four vectors x of random signs only: the root mean square of |J x| over random
-signs is the Frobenius norm of J (M. F. Hutchinson, Commun. Stat. Simul. Comput. 19 (1990) 433),
-which bounds |J x| for every x of length one.
+To first order the change of the motion is J x, where x holds the dozen or so changes. A set of
+changes x is called a nudge. J x is computed for only four nudges, which differ in their signs: the
+root mean square of |J x| over random signs is the Frobenius norm of J (M. F. Hutchinson, Commun.
+Stat. Simul. Comput. 19 (1990) 433), which bounds |J x| for every x of length one.
 """
 
 from collections.abc import Callable
@@ -29,8 +29,8 @@ NUDGES = (2.0**-30, EPS)
 #: A motion that changes by more than this, relative or in rad, has left the linear range.
 LINEAR = 2.0**-10
 
-#: Signs of each number in the four nudges. Numbers of one kind have orthogonal signs, so that none
-#: cancel.
+#: Signs of each number's change in the four nudges. The signs of numbers of one kind are
+#: orthogonal, so that the effects of two numbers do not cancel in all nudges.
 _A, _B, _C, _D = (1, 1, 1, 1), (1, -1, 1, -1), (1, 1, -1, -1), (1, -1, -1, 1)
 SIGNS_OF_OMEGA, SIGNS_OF_TURN = (_B, _C, _D), (_A, _B, _C)
 SIGNS_OF_MOMENTS, SIGNS_OF_LEVER = (_D, _A, _B), (_C, _D, _A)
@@ -43,8 +43,8 @@ Solved = Callable[[Problem], Trajectory]
 def nudged(problem: Problem, k: int, size: mpf) -> Problem:
     """Return the problem with start, moments, lever and rotors' momenta changed up or down.
 
-    ω is changed relative to |ω| or, if that is larger, to the rate of the body's swing, √(m g l/I);
-    the attitude is turned by `size` rad about each axis. On a table, the changed problem does not
+    ω is changed relative to |ω|, or to √(m g l/I), the rate of the body's swing, if that is larger.
+    The attitude is turned by `size` rad about each axis. On a table, the changed problem does not
     end at lift-off: its table can also pull.
 
     Parameters
@@ -94,7 +94,8 @@ def conditioning(
     ----------
     exact_motion : the motion of `problem`
     solved : returns the motion of a changed problem, at the same times
-    nudge : returns a problem with its numbers changed by a relative size, with the k-th signs
+    nudge : returns a changed problem, given the problem, the index of the choice of signs, and the
+        relative size of the changes
     """
     responses = [_response(scenario, problem, exact_motion, solved, nudge, k) for k in range(COUNT)]
     sizes = {

@@ -112,7 +112,7 @@ class Law:
     formula, unit : formula and unit of the quantity
     holds : returns whether a scene conserves the quantity
     values : returns the quantity along a trajectory, (n,) or (n, 3)
-    scale : returns the size that changes of the quantity are relative to, in its unit
+    scale : returns the size by which changes of the quantity are divided, in its unit
     title : title of the quantity's value among the facts of a scene; empty if it is not shown
     """
 
@@ -201,13 +201,13 @@ def _is_left(law: str) -> Callable[[InvariantScales], bool]:
 
 
 def _is_heavy(scene: InvariantScales) -> bool:
-    """Whether an effect pulls at a lever along the vertical, and none changes L's vertical part."""
+    """Whether a vertical force turns the body, and no effect changes the vertical part of L."""
     pulls = any(TERMS[name].pulls for name in turning(scene.problem))
     return pulls and _is_left("L_vertical")(scene)
 
 
 def _is_symmetric(scene: InvariantScales) -> bool:
-    """Whether body and lever are symmetric about an axis, along which L is conserved."""
+    """Whether the body has an axis of symmetry, and no effect changes L along it."""
     return _is_left("L_axial")(scene) and symmetry_axis(scene.problem) is not None
 
 

@@ -1,8 +1,8 @@
 """Integrates a motion by a second implementation, independent of the reference.
 
-Euler's equations with the full tensor in body axes, in double precision, by DOP853 (Hairer,
-Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10): no principal axes, no
-extended precision, no series. It is far less accurate than the reference, and bounds its own error.
+It integrates Euler's equations with the full tensor in body axes, in double precision, by DOP853
+(Hairer, Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10): no principal axes, no
+extended precision, no Taylor series. It is far less accurate than the reference.
 """
 
 from collections.abc import Callable
@@ -31,6 +31,7 @@ class CrossCheck:
 
     Attributes
     ----------
+    trajectory : the motion
     steps : an upper bound on the number of steps taken
     tolerance : relative error allowed in each step
     """
@@ -43,7 +44,7 @@ class CrossCheck:
 def times_within_reach(scenario: Scenario, exact: Trajectory) -> FloatArray:
     """Return the sample times, s, that DOP853 reaches within some seconds of computing.
 
-    If it does not reach all of them, the time at which it is stopped is appended.
+    If it does not reach all of them, the time at which it would be stopped is appended.
 
     Parameters
     ----------
@@ -55,7 +56,7 @@ def times_within_reach(scenario: Scenario, exact: Trajectory) -> FloatArray:
 
 
 def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
-    """Return the motion of a scene, which DOP853 integrates in body axes.
+    """Return the motion of a scene, integrated by DOP853 in body axes.
 
     Parameters
     ----------
@@ -88,7 +89,7 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
     swing = np.cross(omega, constraint.lever)
     com = constraint.com_world(R_world_body.apply(np.array(constraint.lever)), com)
     velocity = constraint.velocity_world(R_world_body.apply(swing), velocity)
-    # DOP853 evaluates twelve times a step, and once more for the next step to begin with.
+    # A step takes at least eleven evaluations of the rates.
     steps = int(solution.nfev // 11)
     spins = scenario.spins(omega, scenario.kept_at_start)
     return CrossCheck(Trajectory(times, q, omega, com, velocity, spins), steps, tolerance)

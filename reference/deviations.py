@@ -1,4 +1,4 @@
-"""The deviations of states from others, compiled: fits compute them for many motions at once."""
+"""Deviations of recorded states from computed ones, in compiled code for fits of many motions."""
 
 import math
 
@@ -11,13 +11,13 @@ from .kernel import as_kernels_take, kernel
 def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
     """Return the deviations of recorded states from computed ones, (..., S, 6).
 
-    They are a rotation vector from the computed to the recorded attitude, rad, and the difference
-    of ω, rad/s, both in body axes.
+    Each is a rotation vector from the computed to the recorded attitude, rad, and the recorded less
+    the computed ω, rad/s, both in body axes.
 
     Parameters
     ----------
     computed : q, scalar first, and ω, rad/s, of one or several computations, (..., S, 7)
-    recorded : recorded q and ω, (S, 7)
+    recorded : recorded q, scalar first, and ω, rad/s, (S, 7)
     """
     off = np.empty((*computed.shape[:-1], 6))
     shape = math.prod(computed.shape[:-2]), len(recorded)
@@ -28,7 +28,10 @@ def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
 
 @kernel
 def _fill(computed: FloatArray, recorded: FloatArray, off: FloatArray) -> None:
-    """Write the deviations of S recorded states, (S, 7), from H computations into `off`."""
+    """Write the deviations of S recorded states, (S, 7), from H computations into `off`, (H, S, 6).
+
+    `computed` is (H, S, 7).
+    """
     for n in range(computed.shape[0]):
         for s in range(computed.shape[1]):
             a, b = computed[n, s], recorded[s]

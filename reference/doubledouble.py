@@ -25,12 +25,15 @@ from .kernel import kernel
 
 DoubleDouble = tuple[float, float]
 
-# Enough for the difference of any two doubles: their bits span 2⁻¹⁰⁷⁴ to 2¹⁰²³.
+# Precision in which the difference of any two doubles is exact: their bits span 2⁻¹⁰⁷⁴ to 2¹⁰²³.
 _EXACT_BITS = 2200
 
 
 def _fma(_context: Any, x: Any, y: Any, z: Any) -> Any:
-    """Return x y + z rounded once, as fusedMultiplyAdd of IEEE 754-2008, section 5.4.1."""
+    """Return signature and code generator of x y + z, rounded once.
+
+    This is fusedMultiplyAdd of IEEE 754-2008, section 5.4.1.
+    """
 
     def generate(_: Any, builder: ir.IRBuilder, __: Any, arguments: Any) -> Any:
         return builder.fma(*arguments)

@@ -2,7 +2,8 @@
 
 A recurrence that is run on duals also computes the derivatives of its results, term by term: the
 variational equations of the motion need no derivation of their own (R. E. Wengert, Commun. ACM 7
-(1964) 463). A dual is made of doubles or of double-doubles, a table of duals of two such tables.
+(1964) 463). A dual consists of two doubles or two double-doubles, and a table of duals of two
+tables.
 """
 
 from collections.abc import Callable

@@ -1,9 +1,10 @@
 """What each effect adds to the equations of motion: its numbers, and its terms of ω'.
 
-Here also stand the conservation laws that each effect leaves valid, and its own derived facts.
+Each entry also names the conservation laws that the effect leaves valid, and yields derived facts
+of its own.
 
-A term has one of the forms that `taylor_coefficients` knows the series of. A pivot has no term: it
-is why the equations are about the body's origin.
+A term has one of the forms whose series `taylor_coefficients` computes. A pivot adds no term,
+because the equations are about the point that it holds.
 """
 
 from collections.abc import Callable, Iterator
@@ -36,13 +37,13 @@ from .taylor_coefficients import (
 
 #: In this order: a lever times a vector fixed in the world; a torque fixed in the world; a torque
 #: fixed in the body, which is a constant; a torque proportional to ω; a force that keeps a point on
-#: a plane; an angular momentum fixed in the body, times ω.
+#: a plane; the cross product of ω and an angular momentum fixed in the body.
 Form = Literal["lever", "world", "constant", "linear", "plane", "momentum"]
 
 
-#: Changes of a problem's numbers, in extended precision, by the name of its attribute.
+#: Changes of a problem's numbers, in extended precision, by the attribute of `Problem`.
 Numbers = dict[str, Any]
-#: Changes by a unit of each parameter, by its name: a list for a vector, else a single change.
+#: Changes for one unit of each parameter, by its name: a list for a vector, one entry for a scalar.
 ByParameter = dict[str, list[Numbers] | Numbers]
 
 
@@ -81,17 +82,18 @@ class EffectTerms:
     Attributes
     ----------
     form : form of the effect's term
-    posed : returns the effect's numbers, by the names of the attributes of `Problem` that hold
-        them, given the scene and the quaternion from body axes to principal axes
+    posed : returns the effect's numbers, by attribute of `Problem`, given the scene and the
+        quaternion from body axes to principal axes
     turns : returns whether the effect turns the body of a problem at all
-    constants : returns constants of `taylor_coefficients` by their rows, for one axis i and the
-        next two axes j and k
+    constants : returns the effect's constants, by the rows that `taylor_coefficients` names, for
+        one axis i and the next two axes j and k
     keeps : names of the conservation laws that hold although the effect turns the body
-    facts : yields the derived numbers of a scene that the effect gives rise to
-    parameters : returns how the numbers in `posed` change by a unit of each parameter of the
-        effect; all constants are linear in these numbers
-    by_omega : returns how these numbers change by a change of ω at the start, rad/s, body axes
-    by_body : returns how these numbers change by a change of the body
+    facts : yields the derived numbers of a scene that come from the effect
+    parameters : returns how much the numbers in `posed` change for one unit of each parameter of
+        the effect; all constants are linear in these numbers
+    by_omega : returns how much these numbers change for a change of ω at the start, rad/s, body
+        axes
+    by_body : returns how much these numbers change for a change of the body
     """
 
     form: Form
@@ -106,7 +108,7 @@ class EffectTerms:
 
     @property
     def pulls(self) -> bool:
-        """Whether the effect pulls at a lever along a direction that is fixed in the world."""
+        """Whether the effect is a force of fixed direction in the world that exerts a torque."""
         return self.form in ("lever", "plane")
 
 
@@ -226,7 +228,7 @@ def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
 
 
 def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
-    """Return how the rotors' constant angular momenta change by 1 rad/s more of each spin."""
+    """Return how much the rotors' constant angular momenta change for 1 rad/s of each spin."""
     rotors = scenario.rotors.each
     return {
         "spins": [

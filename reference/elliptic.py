@@ -26,7 +26,7 @@ ODD_SINE, ODD_COSINE, EVEN_SINE, EVEN_COSINE = range(4)
 
 @dataclass(frozen=True)
 class Lattice:
-    """The periods that belong to a parameter m, in the working precision of their first use.
+    """The periods that belong to a parameter m, in mpmath's precision when they are first used.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Lattice:
 
     @property
     def hyperbolic(self) -> bool:
-        """Whether theta functions are summed along the imaginary period."""
+        """Whether theta functions are summed with the nome q', as series of sinh and cosh."""
         return bool(self.m > self.m1)
 
     @cached_property
@@ -59,7 +59,7 @@ class Lattice:
 
     @cached_property
     def scale(self) -> mpf:
-        """x/u, with u the argument of sn and x that of series: π/2K, or π/2K' if `hyperbolic`."""
+        """x/u, from the argument u of sn to that of series, x: π/2K, or π/2K' if `hyperbolic`."""
         return mp.pi / (2 * (self.K1 if self.hyperbolic else self.K))
 
     @property
@@ -90,8 +90,8 @@ class Harmonics(NamedTuple):
 class Theta:
     """A theta function of s x − iη as a function of real x, up to a constant factor.
 
-    s is `stretch`. If it is hyperbolic, the factor exp(−(K'/πK)(s x − iη)²) of Jacobi's
-    transformation is left out, too; on the doubled lattice it has 2K' in place of K'.
+    s is `stretch`. If the series is hyperbolic, the factor exp(−(K'/πK)(s x − iη)²) of Jacobi's
+    transformation is left out, too; on the doubled lattice this factor has 2K' in place of K'.
 
     Attributes
     ----------
@@ -120,9 +120,9 @@ class Theta:
 def theta(n: int, lattice: Lattice, y: mpf = 0, doubled: bool = False) -> Theta:
     """Return θ_n(π(u − iy)/2K, q) as a function of x = lattice.scale · u, up to a factor.
 
-    The constant factor depends on n, 2 q^(1/4) for θ1 and θ2, so that quotients must be normalised,
-    as in `jacobi`; `Theta` says what else is left out. The formulas are DLMF 20.2.1–4 and
-    20.7.30–33.
+    The factor is left out. It depends on n, being 2 q^(1/4) for θ1 and θ2, so that quotients must
+    be normalised, as `jacobi` does; `Theta` says what else is left out. The formulas are DLMF
+    20.2.1–4 and 20.7.30–33.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class Jacobi:
 
     Attributes
     ----------
-    sn, cn, dn : numerators, scaled
+    sn, cn, dn : numerators, scaled so that sn'(0) = cn(0) = dn(0) = 1
     denominator : θ4
     """
 
@@ -181,7 +181,7 @@ class Jacobi:
 
 
 def jacobi(lattice: Lattice) -> Jacobi:
-    """Return the Jacobi functions of a lattice, scaled by sn'(0) = cn(0) = dn(0) = 1."""
+    """Return the Jacobi functions of a lattice, scaled so that sn'(0) = cn(0) = dn(0) = 1."""
     below = theta(4, lattice)
     at_zero = below.value_and_slope(mpf(0))[0].real
     first, second, third = (theta(n, lattice) for n in (1, 2, 3))

@@ -1,8 +1,8 @@
 """ZYZ Euler angles α, β, γ: R_world_body = Rz(α) Ry(β) Rz(γ) (Fetter & Walecka §29).
 
 β is the angle between the body's third axis and the world's, α the azimuth of the body's third
-axis, γ the turn about it. For display and for rates of precession and nutation: attitudes are
-compared as rotations, never as angles.
+axis, γ the turn about it. The angles serve to show attitudes, and precession and nutation:
+attitudes are compared as rotations, never by these angles.
 """
 
 import numpy as np
@@ -46,7 +46,7 @@ def euler_zyz_from_quaternion(q_world_body_wxyz: FloatArray) -> FloatArray:
 def rates_from_omega_body(angles: FloatArray, omega_body: FloatArray) -> FloatArray:
     """Return the rates of the Euler angles, α̇, β̇, γ̇, rad/s, (..., 3).
 
-    They are the inverse of Fetter & Walecka eq. 29.7. All three are NaN where β is exactly 0 or π:
+    They solve Fetter & Walecka eq. 29.7 for the rates. All three are NaN where β is exactly 0 or π:
     there α and γ are not separate angles, and β as a function of time has a corner. Close to these
     poles the rates have an error of about ulp(1)/sin β times |ω|.
 

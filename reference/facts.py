@@ -1,7 +1,7 @@
 """Derived numbers of a scene that classify its motion.
 
-All are numbers of the exact motion. A number that changes along the motion is that of t = 0, and
-its description says so.
+All are computed from the exact motion. A quantity that changes along the motion is given at t = 0,
+and its description says so.
 """
 
 import math
@@ -165,6 +165,6 @@ def _of_a_free_body(problem: Problem) -> Iterator[Fact]:
 
 
 def _deg(cosine: object) -> float:
-    """Return the angle, degrees, that has a given cosine."""
+    """Return the angle with a given cosine, degrees."""
     with mp.workdps(DIGITS):
         return float(mp.degrees(mp.acos(cosine)))

@@ -1,7 +1,7 @@
 """The exact flow of many states at once, each over its own time span, in double precision.
 
 It is integrated by the Taylor series of `taylor_coefficients`, as the exact motion is, but without
-double-doubles: over a radian rounding comes to a few ulp, and an engine's state is no better known.
+double-doubles: rounding errors are a few ulp in a radian, and engines' states have such errors too.
 """
 
 import math
@@ -100,8 +100,9 @@ def flow_each(
 
     Parameters
     ----------
-    constants, inverses, terms : as in `taylor_coefficients.extend`; the row of `constants` for the
-        rotors' angular momentum is overwritten
+    constants, inverses : the doubles of what `taylor.constants_of` and `inverses_to` return; the
+        row of `constants` for the rotors' angular momentum is overwritten
+    terms : which terms the equations of motion have
     states : ω, rad/s, and q, w x y z, of each state, principal axes, (n, STATE); overwritten
     momenta : for each state the constant angular momentum h of the rotors, kg m²/s, principal axes,
         (n, 3)

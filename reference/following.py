@@ -32,8 +32,8 @@ from .other_rates import (
 #: Largest turn in a step of `EXACT` and of `APPROXIMATE`, rad. The error of a step of `EXACT` is
 #: then an ulp.
 TURN = 0.2
-#: Number of columns of a stage, which are q', ω' and the angular velocity at which the attitude
-#: turns; and the first column of this angular velocity.
+#: Number of columns of a Runge-Kutta stage, which are q', ω' and the angular velocity at which the
+#: attitude turns; and the first column of this angular velocity.
 STAGE, TURNS = 10, 7
 
 
@@ -46,11 +46,11 @@ class Integrator(NamedTuple):
     Attributes
     ----------
     name : name of the integrator
-    a, b : explicit Butcher tableau, (stages, stages) and (stages,)
+    a, b : coefficients of an explicit Runge-Kutta method, (stages, stages) and (stages,)
     turned_by : whether the attitude is advanced with ω of all stages, `STAGES`, or only with ω at
         the step's start, `START`, or at its end, `END`
-    is_exponential : whether the attitude is turned by the rotation vector of ω over the step,
-        instead of q' being added
+    is_exponential : whether the attitude is turned by the rotation vector ω h, with h the step, and
+        not advanced by adding h q'
     keeps_length : whether ω is scaled after a step so that I ω keeps its length
     """
 
@@ -70,7 +70,7 @@ EXACT = Integrator("", np.array(DOP853.A), np.array(DOP853.B))
 #: Twice as fast as `EXACT`, with half as many stages. Its error is `ERROR` a radian or less, unless
 #: the motion is unstable (tests).
 APPROXIMATE, ERROR = Integrator("", np.array(RK45.A), np.array(RK45.B)), 1e-7
-#: The integrators that are recognised.
+#: The integrators that are recognised in recordings.
 KNOWN = (
     Integrator("explicit Euler", *_EULER),
     Integrator("explicit Euler with the rotation vector ω h", *_EULER, is_exponential=True),
@@ -95,13 +95,19 @@ def follow(
 ) -> FloatArray:
     """Return the states that the equations take S states to, after each of L successive spans.
 
-    The parameters are those of `follow_each` for one set of equations: `states` is (S, 7), `spans`
-    is (S, L), and `timestep` is one number.
+    Parameters
+    ----------
+    equations : one set of equations
+    states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
+    spans : s, (S, L)
+    timestep : s, of which each span is a multiple; 0 with `EXACT` and `APPROXIMATE`, which choose
+        their own
+    fastest : largest ‖ω‖ that is followed, rad/s
 
     Returns
     -------
-    (S, L, 7); for each given state nan from where a number leaves the range of doubles, or ‖ω‖
-    exceeds `fastest`
+    (S, L, 7); nan for a given state from the span on in which a number leaves the range of doubles,
+    or ‖ω‖ exceeds `fastest`
     """
     of_method = integrator, np.full(1, timestep), fastest
     return np.asarray(follow_each(equations, states[None], spans[None], *of_method)[0])
@@ -117,10 +123,8 @@ def follow_each(
 ) -> FloatArray:
     """Return the states that each of E sets of equations takes S states to, after each of L spans.
 
-    Each span begins in the state in which the span before it ends.
-
-    One call takes far less time than a call for each set, since Python's overhead exceeds the time
-    that most motions take.
+    Each span begins in the state in which the span before it ends. One call for all sets takes far
+    less time than a call for each, since Python's overhead exceeds the time that most motions take.
 
     Parameters
     ----------
@@ -129,12 +133,12 @@ def follow_each(
     spans : s, (E, S, L)
     timesteps : s, (E,); each span is a multiple of its timestep; None with `EXACT` and
         `APPROXIMATE`, which choose their own
-    fastest : largest ‖ω‖ that is followed, rad/s, as computing takes time in proportion to it
+    fastest : largest ‖ω‖ that is followed, rad/s, because computing time is proportional to ‖ω‖
 
     Returns
     -------
-    (E, S, L, 7); for each given state nan from where a number leaves the range of doubles, or ‖ω‖
-    exceeds `fastest`
+    (E, S, L, 7); nan for a given state from the span on in which a number leaves the range of
+    doubles, or ‖ω‖ exceeds `fastest`
     """
     numbers = all_numbers(equations)
     if len(numbers) != len(spans):
@@ -271,7 +275,7 @@ def _step(
 
 @kernel
 def _kept_speed(y: FloatArray, fastest: float) -> float:
-    """Return ‖ω‖ of the state y, rad/s; make all of y nan if it is infinite or above `fastest`."""
+    """Return ‖ω‖ of the state y, rad/s; if it is inf or above `fastest`, make it and y nan."""
     omega = vector(y, 4)
     speed = math.sqrt(dot(omega, omega))
     if speed > fastest or speed == math.inf:
@@ -305,7 +309,7 @@ def _follow(
                     steps = max(1, round(span / timestep))
                 else:
                     turn = speed + e[RATE]
-                    # A state that is not finite is not integrated further.
+                    # For a state that is not finite, one step is enough.
                     steps = 1 + int(min(turn * abs(span) / TURN, 1e5)) if turn < 1e300 else 1
                 h = span / steps
                 for _ in range(steps):

@@ -1,16 +1,16 @@
 """The free body with three distinct moments: Jacobi's solution, by theta quotients.
 
-Axes are renamed and turned so that I2 is the middle moment, ω circulates about e3 (that of the
-largest moment where D = L² − 2 E I2 >= 0, of the smallest where D < 0), ω3 > 0 and s ω1 >= 0 with
-s = sign(I2 − I1). Then (Landau & Lifshitz, Mechanics, §37; derivation:
-docs/explanation/closed-forms.md)::
+The principal axes are renumbered and reversed so that I2 is the middle moment, ω circulates about
+e3 (the axis of the largest moment where D = L² − 2 E I2 >= 0, of the smallest where D < 0), ω3 > 0
+and s ω1 >= 0 with s = sign(I2 − I1). Then ω and the Cayley–Klein parameters A and B are (Landau &
+Lifshitz, Mechanics, §37; derivation: docs/explanation/closed-forms.md)::
 
     ω = (s a1 cn, a2 sn, a3 dn)(u | m)        u = p t + u0
     A ∝ e^{iΩt} θ1(z + i σ η_A | q²)/√θ4(z | q)
     B ∝ e^{iΩt} θ1(z − i σ η_B | q²)/√θ4(z | q)        z = π u/2K, σ = 1 for the largest moment
 
-in a frame with z along L (C. G. J. Jacobi, J. reine angew. Math. 39 (1850) 293; Whittaker,
-Analytical Dynamics, §69).
+in a frame with z along L; η_A and η_B follow from the zeros of A and B (C. G. J. Jacobi, J. reine
+angew. Math. 39 (1850) 293; Whittaker, Analytical Dynamics, §69).
 """
 
 from dataclasses import dataclass
@@ -37,9 +37,9 @@ from .theta_quotients import (
     tables,
 )
 
-#: Digits in which products of five doubles and their differences are exact.
+#: Decimal digits in which products of five doubles, and differences of these, are exact.
 EXACT_DIGITS = 3 * DIGITS
-SIGN_CHANGE = mpf(1) / 2  # the phase in turns by which theta changes in each half period
+SIGN_CHANGE = mpf(1) / 2  # a change of sign in each half period, as a phase in turns
 
 
 @dataclass(frozen=True)
@@ -183,13 +183,14 @@ def _attitude(
     Parameters
     ----------
     functions : the Jacobi functions of the lattice, by the clock's argument x
-    start, omega : attitude in the frame with z along L, and ω along e1, e2, e3, rad/s, at t = 0
+    start : A and B at t = 0, in a frame with z along L
+    omega : ω along e1, e2, e3 at t = 0, rad/s
     """
 
     def at(x: mpf) -> tuple[CayleyKlein, tuple[mpc, mpc]]:
-        """Return A and B at an argument x, up to their phases, and A' and B' with the same phases.
+        """Return A, B, A' and B' at an argument x, up to one phase factor common to all.
 
-        They are of the attitude that turns L to z with real A.
+        It is chosen so that A is real, and cancels in A'/A and B'/B.
         """
         sn, cn, dn = functions(x)
         (a1, a2, a3), (I1, I2, I3) = body.amplitudes, body.moments
@@ -220,8 +221,8 @@ def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
     A vanishes where L3 = −|L|, and B where L3 = |L|.
 
     With c = I3 a3/|L|, L3 = |L| at u = iy means c dn(iy|m) = 1. As dn(iy|m) = dn/cn(y|m1) (DLMF
-    22.6.12), tan² am y = (1 − c²)/(m c²) for B; A vanishes at y − 2K'. Both signs are opposite if
-    ω circulates about the axis of the smallest moment.
+    22.6.12), tan² am y = (1 − c²)/(m c²) for B; A vanishes at y − 2K'. If ω circulates about the
+    axis of the smallest moment, both have the opposite sign.
     """
     (I1, _, I3), (a1, _, a3) = body.moments, body.amplitudes
     m, away, near = body.lattice.m, (I1 * a1) ** 2, (I3 * a3) ** 2

@@ -212,7 +212,7 @@ def steady_precession_rates(top: HeavySymmetricTop, cos_beta: mpf) -> tuple[floa
         discriminant = mpf(0) if equal(square, least) else square - least
         if discriminant < 0 or (lead == 0 and top.p_gamma == 0):
             return ()
-        # The half of the usual formula that adds like signs; the other root by Viète.
+        # The root of the usual formula in which like signs add; the other one follows by Viète.
         larger = (top.p_gamma + (-1 if top.p_gamma < 0 else 1) * mp.sqrt(discriminant)) / 2
         slow = float(top.kappa / larger)
         if lead == 0 or discriminant == 0:
@@ -230,8 +230,8 @@ def steady_angle(top: HeavySymmetricTop) -> float:
     """Return the angle β at the minimum of V_eff, rad.
 
     A top with the same p_α and p_γ would precess steadily at this angle. It solves
-    (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)², whose two sides differ by opposite signs at the
-    turning points.
+    (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)²; the left side less the right has opposite signs at
+    the two turning points.
     """
     with mp.workdps(ROOT_DIGITS):
         return float(mp.acos(_at_most_one(_bottom(top))))
@@ -241,7 +241,7 @@ def small_nutation_frequency(top: HeavySymmetricTop) -> float:
     """Return the angular frequency of small oscillations of cos β about V_eff's minimum, rad/s.
 
     ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β, where Ω is the rate of steady precession
-    at the minimum, and V_eff' = 0 has simplified V_eff'' (Goldstein §5.7 for V_eff). On a table ω²
+    at the minimum (Goldstein §5.7 for V_eff; V_eff' = 0 is used to simplify V_eff''). On a table ω²
     is divided by 1 + ε sin²β, ε = `top.heave`.
     """
     with mp.workdps(ROOT_DIGITS):

@@ -1,8 +1,8 @@
 """Two heavy tops with a constant of motion of their own: Kovalevskaya's and Goryachev–Chaplygin's.
 
-Both have two equal moments about the pivot, the third in a fixed ratio to them, and the com in the
-plane of the equal ones. With e1 towards the com, e3 along the axis of the third moment, γ the
-upward vertical in those axes and c = M g l:
+Both have two equal moments about the pivot and a third one in a fixed ratio to them; the com is in
+the plane of the axes of the equal moments. With e1 towards the com, e3 along the axis of the third
+moment, γ the upward vertical along e1, e2, e3 and c = M g l:
 
     Kovalevskaya, I1 = I2 = 2 I3:                 |(ω1 + iω2)² − (c/I3)(γ1 + iγ2)|²
     Goryachev–Chaplygin, I1 = I2 = 4 I3, L·γ = 0:  ω3(ω1² + ω2²) − (c/I3) ω1 γ3
@@ -39,7 +39,7 @@ Frame = tuple[Vector, Vector, Vector]
 def kovalevskaya_frame(problem: Problem) -> Frame | None:
     """Return the axes e1, e2, e3 of a Kovalevskaya top, in principal components.
 
-    They are those that the module defines; None for any other top.
+    They are the axes that the module defines. The result is None for any other top.
     """
     return _equatorial_frame(problem, KOVALEVSKAYA_RATIO)
 
@@ -47,7 +47,7 @@ def kovalevskaya_frame(problem: Problem) -> Frame | None:
 def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
     """Return the axes e1, e2, e3 of a Goryachev–Chaplygin top, in principal components.
 
-    It is None for any other top, and if L·ĝ is not 0 at t = 0.
+    The result is None for any other top, and if L·ĝ is not 0 at t = 0.
     """
     frame = _equatorial_frame(problem, GORYACHEV_CHAPLYGIN_RATIO)
     if frame is None:
@@ -67,7 +67,10 @@ def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArr
 
 
 def goryachev_chaplygin(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
-    """Return Goryachev–Chaplygin's constant on a motion, rad³/s³, (n,); `frame` has e1, e2, e3."""
+    """Return the Goryachev–Chaplygin constant along a trajectory, rad³/s³, (n,).
+
+    `frame` has e1, e2, e3.
+    """
     omega, gamma = _along(problem, frame, motion)
     weight = pull_over_third_moment(problem, frame)
     across = omega[:, 0] ** 2 + omega[:, 1] ** 2
@@ -90,7 +93,7 @@ def _along(problem: Problem, frame: Frame, motion: Trajectory) -> tuple[FloatArr
 def _equatorial_frame(problem: Problem, ratio: int) -> Frame | None:
     """Return e1, e2, e3 of a heavy top with I1 = I2 = ratio · I3, in principal components.
 
-    The com must be in the plane of e1 and e2, and gravity alone turn the body; else it is None.
+    It is None unless the com is in the plane of e1 and e2, and gravity alone turns the body.
     """
     with mp.workdps(DIGITS):
         length = norm(problem.lever_axes)

@@ -1,8 +1,8 @@
 """What a scene's exact motion conserves, and how far a run drifts from it.
 
 A quantity is computed by the same code from every trajectory, the reference's or an engine's.
-Drifts are relative to a scale that the scene alone sets, so that they can be compared across runs,
-and that a run which blows up is not measured against its own large values.
+Drifts are relative to a scale that the scene alone sets. So they can be compared across runs, and a
+run that blows up is not measured against its own large values.
 """
 
 from dataclasses import dataclass
@@ -34,8 +34,8 @@ class Invariant:
     def drift_series(self, motion: Trajectory) -> FloatArray:
         """Return |Q(t) − Q(0)| relative to the law's scale at each sample, (n,).
 
-        If the scale is zero, it is 0 where Q has not changed and inf elsewhere. It is also inf
-        where a run has blown up so far that a term or its square overflows.
+        If the scale is zero, the drift is 0 where Q has not changed and inf elsewhere. It is also
+        inf where a run has blown up so far that a term or its square overflows.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             values = self.values(motion).reshape(len(motion.t), -1)
@@ -57,5 +57,5 @@ def invariants(scenario: Scenario) -> tuple[Invariant, ...]:
 
 
 def drifts(scenario: Scenario, motion: Trajectory) -> dict[str, float]:
-    """Return the largest relative drift of a motion from each law of its scene, by law's name."""
+    """Return the largest relative drift of each quantity that a scene conserves, by law's name."""
     return {invariant.name: invariant.drift(motion) for invariant in invariants(scenario)}

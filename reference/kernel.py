@@ -1,8 +1,9 @@
 """Compile a function with numba and keep its machine code on disk.
 
-Numba sees that a cached function is stale by its own file only, not by the files of the functions
-that it calls. A reference must not be computed by outdated machine code, so the cache here is in a
-folder named after all sources of kernels: change one of them and all are compiled again.
+Numba compiles a cached function again if its own file has changed, but not if the file of a
+function that it calls has. A reference must not be computed by outdated machine code, so the cache
+here is in a folder named by a digest of all sources of kernels: if one changes, all are compiled
+again.
 """
 
 import os
@@ -26,9 +27,9 @@ T = TypeVar("T")
 config: Any = numba.config
 
 _PACKAGE = Path(__file__).parent
-# The digest is of the files with one of these, which are all that machine code depends on: files of
-# kernels import this module or double-doubles, and constants in kernels are places of entries in
-# rows, which `rows.py` makes and others import.
+# The digest is of the files that contain one of these texts, which are all that machine code
+# depends on: files of kernels import this module or double-doubles, and constants in kernels are
+# the places of entries in rows, which `rows.py` and the modules that import it define.
 _MARKS = (b"from .kernel", b"from .doubledouble", b"from .rows", b"class Rows")
 
 
@@ -108,10 +109,10 @@ allocating = partial(kernel, allocates=True)
 
 
 def as_kernels_take(numbers: FloatArray) -> FloatArray:
-    """Return numbers in an array that kernels are compiled for; a copy if it is not such an array.
+    """Return numbers as a writable, contiguous array of doubles; a copy if they are not one.
 
-    Kernels would be compiled anew for arrays that cannot be written, as a scene's own, and for
-    arrays whose numbers do not follow on each other in memory.
+    Kernels are compiled for such arrays. For one that is read-only, as a scene's own are, or not
+    contiguous, numba would compile them again.
     """
     return np.require(numbers, float, ("C", "W"))
 

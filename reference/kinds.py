@@ -18,8 +18,8 @@ KINDS = (
 def kind_of(scenario: Scenario) -> str:
     """Return the kind of a scene's motion, one of `KINDS`.
 
-    It is free if no effect turns the body, and heavy if only gravity does; a body whose rotors have
-    an angular momentum is neither.
+    The motion is free if nothing turns the body, and heavy if gravity alone does. It is "with other
+    effects" if anything else turns the body, or if its rotors have an angular momentum.
     """
     problem = rotational_problem(scenario)
     if not is_undriven(problem):

@@ -1,14 +1,15 @@
 """Lagrange's heavy symmetric top, by theta quotients.
 
-With its axis from the pivot to the centre of mass as e3, the upward vertical as z and u = cos β as
-in `nutation` (F. Klein & A. Sommerfeld, Über die Theorie des Kreisels, ch. VI; Whittaker,
-Analytical Dynamics, §71; derivation: docs/explanation/closed-forms.md)::
+Let e3 be its axis from the pivot to the centre of mass, z the upward vertical, and u = cos β and U
+as in `nutation`. Then the Cayley–Klein parameters A and B, and W = ω2 + iω1, are (F. Klein & A.
+Sommerfeld, Über die Theorie des Kreisels, ch. VI; Whittaker, Analytical Dynamics, §71; derivation:
+docs/explanation/closed-forms.md)::
 
     A ∝ e^{iΩt} θ1(z − iη_A)/θ4(z)        B ∝ e^{iΩt} θ2(z − iη_B)/θ4(z)
     W ∝ e^{iΩt} θ2(z − iη_W)/θ4(z)        z = π (p t + u0)/2K
 
-A, B and W vanish where u = −1, 1 and U. A pole is a simple zero of a theta function: a top that
-passes through it, or starts there, is no exception.
+A, B and W vanish where u = −1, 1 and U. Where the axis is vertical, a theta function has a simple
+zero: a top that passes through the vertical, or starts there, is no exception.
 """
 
 from collections.abc import Callable
@@ -49,7 +50,8 @@ def lagrange(problem: Problem) -> ClosedForm:
     Raises
     ------
     ValueError
-        If the body is not symmetric about its lever, gravity does not turn it, or a torque acts.
+        If the body is not symmetric about the line from pivot to com, if gravity exerts no torque,
+        or if anything else turns the body.
     """
     axis, kappa = symmetry_axis(problem), gravity_torque_scale(problem)
     if axis is None or kappa == 0 or not is_undriven(problem):
@@ -73,16 +75,16 @@ def lagrange(problem: Problem) -> ClosedForm:
 
 
 def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
-    """Return the rotations of a frame with z upward, and of the top's frame with the axes `triad`.
+    """Return the frames of A and B: one in the world with z upward, and one in the top.
 
-    `triad` is in principal components.
+    The axes of the latter are `triad`, in principal components.
     """
     up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
     return Frames(conjugate(_upright(up_world)), from_matrix(triad), triad)
 
 
 def _upright(up: Vector) -> Quaternion:
-    """Return a quaternion that turns the unit vector `up` to z; exactly 1 if `up` is z."""
+    """Return a quaternion that turns the unit vector `up` to z; exactly (1, 0, 0, 0) for z."""
     x, y, z = up
     if z < 0:
         return product(_upright((x, -y, -z)), (mpf(0), mpf(1), mpf(0), mpf(0)))
@@ -103,8 +105,9 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
 
     Parameters
     ----------
-    start, omega : attitude, and ω along the top's frame, rad/s, at t = 0
-    rate : √(κ/I1), rad/s; ω across the axis counts as zero if it is negligible beside it
+    start : the attitude at t = 0
+    omega : ω along the axes of the top's frame at t = 0, rad/s
+    rate : √(κ/I1), rad/s; ω across the axis counts as zero if it is negligible beside rate + |ω3|
     """
     near = min(abs(start.A), abs(start.B))
     return equal(near, 0, 1) and equal(abs(transverse(omega)), 0, rate + abs(omega[2]))
@@ -113,7 +116,7 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
 def _steady(
     frames: Frames, start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> ClosedForm:
-    """Return steady precession in closed form: |A|, |B| and their phases' rates are constant.
+    """Return steady precession in closed form: |A|, |B| and the rates of their phases are constant.
 
     The parameters are as in `_swinging`.
     """
@@ -133,12 +136,14 @@ def _swinging(
     constants_of_motion: Constants,
     swing: Nutation,
 ) -> ClosedForm:
-    """Return the closed form of a top whose tilt swings.
+    """Return the closed form of a top whose tilt varies.
 
     Parameters
     ----------
-    start, omega : attitude, and ω along the top's frame, rad/s, at t = 0
-    constants_of_motion, swing : the constants for this start, and the nutation they lead to
+    start : the attitude at t = 0
+    omega : ω along the axes of the top's frame at t = 0, rad/s
+    constants_of_motion : the constants that follow from this start
+    swing : the nutation that follows from these constants
     """
     lattice = swing.lattice
     u0 = first_kind(swing.sin_squared, swing.cos_squared, lattice.m1)
@@ -178,12 +183,12 @@ def _starts(
 
 
 def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
-    """Return the numerators of A, B and W: θ1 or θ2 of an argument shifted to their zero.
+    """Return the numerators of A, B and W: θ1 or θ2, shifted along the imaginary axis by y.
 
     A vanishes where u = cos β is −1: at the argument iy with sc²(y|m1) = (1 + u1)/(u2 − u1). B
-    vanishes where u is 1, W where u is U: at K + iy with nd²(y|m1) = (1 − u1)/(u2 − u1), or
-    (U − u1)/(u2 − u1). These give the sine and cosine of the amplitude of y. On the separatrix θ2
-    is constant, wherever its zero is.
+    vanishes where u is 1, and W where u is U: at K + iy with nd²(y|m1) = (u − u1)/(u2 − u1). These
+    give the sine and cosine of the amplitude of y. On the separatrix, m1 = 0, the series of θ2 is
+    a constant, whatever y is.
     """
     lattice, below, above = swing.lattice, swing.below, swing.above
     y_A = first_kind(above[0] / above[1], swing.u21 / above[1], lattice.m)

@@ -1,4 +1,4 @@
-"""Converts between rotations along a body's principal axes and the motion of the body."""
+"""Converts the rotation of a body's principal axes to the motion of the body, and back."""
 
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ FORCES_IN_FLIGHT = frozenset({"gravity"})
 
 
 class Flight(NamedTuple):
-    """How long a body without a pivot has been flying at each sample, and from which state.
+    """The duration and the initial state of the free flight that leads to each sample.
 
     Attributes
     ----------
@@ -35,12 +35,12 @@ def motion(
     times: FloatArray,
     states: tuple[FloatArray, FloatArray],
 ) -> Trajectory:
-    """Return the trajectory of a scene, given its rotation along the principal axes.
+    """Return the trajectory of a scene, given the rotation of its principal axes.
 
     Parameters
     ----------
     times : (n,) s, from the scene's start on
-    states : q_world_axes (n, 4) and omega_axes (n, 3) rad/s, along the principal axes
+    states : q_world_axes (n, 4), scalar first, and omega_axes (n, 3), rad/s, along these axes
     """
     start = scenario.start
     flight = Flight(times, start.position_world, start.velocity_world)
@@ -56,13 +56,14 @@ def assembled(
     flight: Flight,
     kept: FloatArray,
 ) -> Trajectory:
-    """Return a trajectory, as `motion` does, in which each sample may have a flight of its own.
+    """Return the trajectory of a scene whose samples may each have a flight of their own.
 
     Parameters
     ----------
-    times, states : as for `motion`
+    times : (n,) s, from the scene's start on
+    states : q_world_axes (n, 4), scalar first, and omega_axes (n, 3), rad/s
     flight : duration and start of the flight that leads to each sample
-    kept : constant angular momentum of each rotor about its axis, kg m²/s, (rotors,) or (n, rotors)
+    kept : constant angular momentum of each rotor about its axle, kg m²/s, (rotors,) or (n, rotors)
     """
     q_world_axes, omega_axes = states
     q_axes_body = np.array(problem.q_axes_body, dtype=float)
@@ -77,7 +78,7 @@ def assembled(
 
 
 def along_axes(problem: Problem, motion: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """Return attitude and ω of a motion along the principal axes: the inverse of `motion`.
+    """Return a motion's attitude and ω along the principal axes: the inverse of `motion`.
 
     Returns
     -------

@@ -1,15 +1,17 @@
 """How the tilt of a heavy symmetric top swings: u(t) = cos β by Jacobi's functions.
 
 β is the angle from the upward vertical to the axis, which points from the pivot to the centre of
-mass, and κ = M g l. In units of I1, constants and cubic are (Goldstein §5.7; Whittaker §71)::
+mass, and κ = M g l. The constants of motion, divided by I1, and the cubic of u̇² are (Goldstein
+§5.7; Whittaker §71)::
 
     b = 2κ/I1    c = L·(−ĝ)/I1    d = I3 ω3/I1    |W|² = b (U − u),  W = ω2 + iω1
     u̇² = b (U − u)(1 − u²) − (c − d u)² = b (u − u1)(u − u2)(u − u3)
     u = u1 + (u2 − u1) sn²(p t + u0 | m)    p² = b (u3 − u1)/4    m = (u2 − u1)/(u3 − u1)
 
-A top that sleeps, or passes close to a pole, has roots that agree in many digits. So heights are
-measured from the pole nearer to the start, or from the upper one if the energy is just enough to
-reach it: u = σ (1 − δ), σ = ±1, and all small numbers keep their relative accuracy.
+The poles are u = ±1, where the axis is vertical. A top that sleeps, or passes close to a pole, has
+roots that agree in many digits. So that small differences keep their relative accuracy, u is
+given by its distance δ from a pole: u = σ (1 − δ), σ = ±1. This is the pole nearer to the start, or
+the upper one if the energy is just enough to reach it.
 """
 
 from typing import NamedTuple
@@ -23,7 +25,7 @@ from .symmetry import equal
 
 
 class Constants(NamedTuple):
-    """The constants of a top at t = 0.
+    """A top's constants of motion and its state at t = 0, with heights measured from a pole.
 
     Attributes
     ----------
@@ -62,13 +64,14 @@ class Constants(NamedTuple):
 
 
 def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """Return the constants of a start, with heights measured from one of the poles.
+    """Return the constants that follow from a start, with heights measured from one of the poles.
 
     The pole is the nearer one, or the upper one if the energy is just enough to reach it.
 
     Parameters
     ----------
-    start, omega : attitude, and ω along the top's frame, rad/s, at t = 0
+    start : the attitude at t = 0
+    omega : ω along the axes of the top's frame at t = 0, rad/s
     b, d : b and d of the module's equations, s⁻² and 1/s
     """
     upper = _constants_from(1, start, omega, b, d)
@@ -78,7 +81,7 @@ def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
 
 
 def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """Return the constants of a start, with heights measured from a given pole.
+    """Return the constants that follow from a start, with heights measured from a given pole.
 
     A difference of numbers that agree to working precision is set to zero.
 
@@ -103,7 +106,7 @@ def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf
 
 
 class Nutation(NamedTuple):
-    """The swing of a top's axis between u1 and u2.
+    """The nutation of a top's axis between u1 and u2, as the module's equations describe it.
 
     Attributes
     ----------
@@ -128,7 +131,7 @@ class Nutation(NamedTuple):
 
 
 def nutation(start: Constants) -> Nutation | None:
-    """Return the swing that follows from a start; None if u is constant."""
+    """Return the nutation that follows from a top's constants; None if u is constant."""
     pole, delta = start.pole, start.delta
     d1, d2, d3 = turning_points(pole, start.b, start.d, start.excess, start.e)
     if equal(d1, d2):
@@ -152,11 +155,15 @@ def nutation(start: Constants) -> Nutation | None:
 
 
 def turning_points(pole: int, b: mpf, d: mpf, excess: mpf, e: mpf) -> Vector:
-    """Return δ, the distance from a pole, of u1, u2 and u3; parameters are as in `Constants`.
+    """Return δ, the distance from a pole, of u1, u2 and u3.
 
     They are the zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd, with u = σ(1 − δ).
-    The largest comes from Viète's cosines (DLMF 1.11.iii; all are real); dividing by it leaves a
-    quadratic, whose roots may be many orders smaller and still come out to relative accuracy.
+    The largest comes from Viète's cosines (DLMF 1.11.iii; all are real). Division by it leaves a
+    quadratic, whose roots are accurate even if they are smaller by many orders.
+
+    Parameters
+    ----------
+    pole, b, d, excess, e : the attributes of `Constants` with these names
     """
     s, g = pole * b, pole * d
     a2, a1, a0 = (excess + g * g) / s - 2, 2 * (e * g - excess) / s, e * e / s

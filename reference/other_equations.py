@@ -1,7 +1,7 @@
 """Equations of motion that need not be a scene's: candidates for what an engine computed.
 
-They differ from a scene's in another inertia tensor, in a gyroscopic torque ω × Gω whose tensor G
-is not the one in I ω', or in the relation between ω and the attitude.
+They may differ from a scene's in the inertia tensor, in a gyroscopic torque ω × Gω whose tensor G
+is not the one in I ω', in other torques, or in the relation between ω and the attitude.
 """
 
 from typing import Self
@@ -20,15 +20,15 @@ BODY, WORLD, KEPT_IN_WORLD = 0, 1, 2
 #: for R = R_i(a) R_j(b) R_k(c): the components of ω are taken for the rates of these angles.
 FIRST_ANGLES = 3
 #: How vectors along world axes are turned to body axes: by Rᵀ, which is right; by R; not at all; or
-#: not at all, and the torque of gravity is computed along world axes.
+#: not at all, where the torque of gravity is first computed along world axes.
 TURNED_BACK, TURNED_ON, UNTURNED, TORQUE_UNTURNED = 0, 1, 2, 3
 
 
 class OtherEquations(Rows):
     """Numbers of one or several sets of equations of motion, SI.
 
-    Torques are along body axes unless their names say otherwise. The shapes below are those of one
-    set; of E sets each has a further first axis.
+    Torques are along body axes unless their names say otherwise. The shapes below are those for one
+    set; for E sets each array has a further first axis, of length E.
 
     I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world
     − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω + Σᵢ P eᵢ × Rᵀ eᵢ
@@ -37,7 +37,9 @@ class OtherEquations(Rows):
 
     Attributes
     ----------
-    inertia, inverse, gyroscopic, turning : I, its inverse, G, A, (3, 3)
+    inertia, inverse : I, kg m², and its inverse, (3, 3)
+    gyroscopic : G, kg m², (3, 3)
+    turning : A, which has no unit, (3, 3)
     kept : h, the sum of the rotors' constant angular momenta about their axles, kg m²/s, (3,)
     gravity_world : g, m/s², (3,)
     pull : l, mass times the vector from a pivot to the com, kg m, (3,); zero without a pivot
@@ -51,8 +53,9 @@ class OtherEquations(Rows):
         for a spring, k N m, to the attitude R₀; (3, 3)
     spring : k R₀, N m: a torque −k φ by the rotation vector φ from the attitude R₀; (3, 3)
     gravity_gradient : S, symmetric, along world axes: κ z zᵀ for a torque κ z × I z; 1/s², (3, 3)
-    body_turns, world_turns : s, an angular velocity of the body in addition to A ω, body axes, and
-        w, the angular velocity of the world, world axes; rad/s, (3,); only with `BODY`
+    body_turns : s, angular velocity of the body in addition to A ω, body axes, rad/s, (3,); used
+        only with `BODY`
+    world_turns : w, angular velocity of the world, world axes, rad/s, (3,); used only with `BODY`
     world_vectors : how g and torque_world are turned to body axes, which is by Rᵀ in the formula
         above: `TURNED_BACK`, `TURNED_ON`, `UNTURNED` or `TORQUE_UNTURNED`
     lever : vector from the tip on a table to the com, m, (3,); not used without a table

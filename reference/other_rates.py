@@ -59,20 +59,20 @@ def all_numbers(equations: OtherEquations) -> FloatArray:
     `has_torque_of_attitude` is set in them, as it would be costly to find out in each step.
     """
     numbers = np.array(np.atleast_2d(equations.numbers), order="C")
-    # Attitude torque, spring and gravity gradient follow on each other.
+    # The numbers of attitude torque, spring and gravity gradient are adjacent.
     numbers[:, HAS_TORQUE_OF_ATTITUDE] = numbers[:, ATTITUDE_TORQUE:BODY_TURNS].any(axis=1)
     return numbers
 
 
 @kernel
 def vector(v: FloatArray, at: int) -> Vector:
-    """Return the vector that begins at an index of an array."""
+    """Return the vector whose three numbers begin at an index of an array."""
     return v[at], v[at + 1], v[at + 2]
 
 
 @kernel
 def matrix(M: FloatArray, at: int) -> Matrix:
-    """Return the matrix that begins at an index of an array."""
+    """Return the 3 × 3 matrix whose numbers begin at an index of an array, row by row."""
     return (
         *(M[at], M[at + 1], M[at + 2]),
         *(M[at + 3], M[at + 4], M[at + 5]),
@@ -157,10 +157,10 @@ def by_tensor(e: FloatArray, tensor: int, R: Matrix, v: Vector) -> Vector:
 
 @kernel
 def _of_world(e: FloatArray, R: Matrix, v: Vector) -> Vector:
-    """Return a vector of world axes turned to body axes as the equations do it.
+    """Return a vector along world axes, turned to body axes as the equations turn it.
 
-    This may be wrong on purpose: by the rule of `OtherEquations.world_vectors` the vector is turned
-    by Rᵀ, which is correct, by R, or not at all.
+    They may do so wrongly: as `OtherEquations.world_vectors` states, the vector is turned by Rᵀ,
+    which is correct, by R, or not at all.
     """
     if e[WORLD_VECTORS] >= UNTURNED:
         return v
@@ -252,23 +252,23 @@ def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 
 @called
 def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
-    """Return the ω, rad/s, body axes, at which an attitude turns whose Euler angles have `rates`.
+    """Return the angular velocity, rad/s, body axes, at which Euler angles change at given rates.
 
-    Equations that take ω for the rates of Euler angles turn it so. The result is nan where the
-    first and third axis coincide.
+    The attitude turns so if equations take the components of ω for these rates. The result is nan
+    where the first and third axis coincide.
 
     Parameters
     ----------
     e : numbers of the equations; `KINEMATICS` is the convention of the angles
     R : the attitude, body to world
-    rates : of the angles, rad/s: in their order if the first and third axis are the same, else of
-        the angles about x, y and z
+    rates : rates of the angles, rad/s: first, second and third angle if the first and third axis
+        are the same, else those about x, y and z
     """
     which = int(e[KINEMATICS]) - FIRST_ANGLES
     i, j, k = which // 9, which // 3 % 3, which % 3
     # If the first and third axis are the same, the components are the angles' rates in order.
     a, b, c = rates if i == k else (rates[i], rates[j], rates[k])
-    # The node line, along the second axis where the first angle has turned it to.
+    # The node line: the second axis, as the first angle has turned it.
     first, third = _unit(i), _unit(k)
     node = _cross(first, (R[k], R[3 + k], R[6 + k]))
     sign = -1.0 if i != k and (i + 1) % 3 == j else 1.0
@@ -283,8 +283,8 @@ def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
 def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
     """Return the angular velocity at which the attitude turns, rad/s, body axes.
 
-    In correct kinematics it is ω; in those that an engine may have used instead, by the number
-    `OtherEquations.kinematics`, it is another vector.
+    In correct kinematics it is ω. In wrong ones, which `OtherEquations.kinematics` selects, it is
+    another vector.
     """
     omega = _times(matrix(e, TURNING), omega)
     kinematics = e[KINEMATICS]
@@ -298,10 +298,10 @@ def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 
 @called
 def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -> Vector:
-    """Return ω', rad/s², body axes, if an engine integrates L and takes a wrongly turned tensor.
+    """Return ω', rad/s², body axes, of an engine that integrates L and turns the tensor wrongly.
 
-    It computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. L, which changes
-    only by torques, is therefore Rᵀ I R ω.
+    It computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. Its L, which only
+    torques change, is therefore Rᵀ I R ω.
     """
     inverse = matrix(e, INVERSE)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), vector(e, KEPT), 1.0)
@@ -331,6 +331,7 @@ def rates_of(e: FloatArray, y: FloatArray) -> tuple[Vector, Vector]:
     else:
         accelerated = by_tensor(e, INVERSE, R, torque)
     if e[KINEMATICS] == KEPT_IN_WORLD:
-        # Body axes turn with the attitude, and no component along world axes does.
+        # These equations are for components along world axes. Those along body axes also change
+        # because the axes turn with the attitude.
         accelerated = plus(accelerated, _cross(omega, turned), 1.0)
     return turned, accelerated

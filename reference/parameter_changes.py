@@ -1,7 +1,7 @@
-"""How the equations of motion change by a unit change of a start or a parameter.
+"""How much the equations of motion change for a unit change of a start number or a parameter.
 
-As long as the moments of inertia stay, every constant of the equations is linear in each such
-number. A change of mass, com or inertia also changes the tensor, by δI.
+At constant moments of inertia, every constant of the equations is linear in each such number. A
+change of mass, com or inertia also changes the tensor, by δI.
 """
 
 from collections.abc import Callable, Iterable
@@ -33,14 +33,15 @@ _UNITS, _NONE = exact(IDENTITY), exact(ZERO)
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """How a problem changes by a unit change of one number, in extended precision.
+    """How much a problem changes for a unit change of one number, in extended precision.
 
     Attributes
     ----------
-    turn_axes, omega_axes : change of the start's attitude, rad, and ω, rad/s, along principal axes
+    turn_axes : turn of the attitude at the start, rad, along principal axes
+    omega_axes : change of ω at the start, rad/s, along principal axes
     inertia_axes : δI about the fixed point, kg m², along principal axes
-    constants : changes of the `Problem`'s attributes that the constants of the equations are linear
-        in, by attribute
+    constants : changes of those attributes of `Problem` in which the constants of the equations are
+        linear, by attribute
     lever_body : change of the vector from the point that is held to the com, m, body axes
     """
 
@@ -52,11 +53,11 @@ class Change:
 
 
 def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Change]:
-    """Return, by name, how a problem changes by a unit change of each start number and parameter.
+    """Return, by name, how much a problem changes for one unit of each start number and parameter.
 
     For a vector the value is a list with a change for each component, for a scalar a single change.
     Mass, com and inertia are those of the scene's `[body]`, without rotors; the inertia is about
-    its com.
+    that body's com.
     """
     q, acting = problem.q_axes_body, [TERMS[name] for name in TERMS if name in scenario.called_for]
     with mp.workdps(DIGITS):
@@ -116,8 +117,8 @@ def _of_body(
     arm = com if scenario.constraint.is_pivot else com - whole_com
 
     def change(inertia: Array, heavier: mpf, moved: Array) -> Change:
-        # The change of m (r·r 1 − r rᵀ). A tensor about a com that itself moves does not change to
-        # first order.
+        # The change of m (r·r 1 − r rᵀ). If the tensor is about the com of the whole body, that
+        # this com moves, too, changes the tensor to second order only.
         square = 2 * (arm @ moved) * _UNITS - np.outer(arm, moved) - np.outer(moved, arm)
         point = (arm @ arm) * _UNITS - np.outer(arm, arm)
         tensor = inertia + heavier * point + mass * square

@@ -13,19 +13,20 @@ _ONE = mpf(1)
 class Problem:
     """Rotation of a rigid body about a fixed point (its pivot, else its centre of mass).
 
-    "axes" are the principal axes through that point; every quaternion is w, x, y, z.
+    In names, "axes" means the principal axes through that point; every quaternion is w, x, y, z.
     Equal moments are exactly equal here, so that a solver may test them with ``==``.
 
     Attributes
     ----------
-    moments : principal moments of inertia about the fixed point, kg m², without the moments of
-        rotors on free hinges about their axles
+    moments : principal moments of inertia about the fixed point, kg m². A rotor on a free hinge
+        contributes nothing about its axle
     q_world_axes : attitude at t = 0, of unit norm to working precision
     omega_axes : angular velocity at t = 0 along the principal axes, rad/s
     lever_axes : mass times the vector from the fixed point to the centre of mass, kg m; zero unless
         the scene has both a pivot and gravity
     gravity_world : acceleration, m/s², world axes
-    torque_axes, torque_world : constant torques along the principal and the world axes, N m
+    torque_axes : torque that is constant along the principal axes, N m
+    torque_world : torque that is constant along the world axes, N m
     drag : coefficient c of the torque −c ω, N m s
     tip_axes : vector from the centre of mass to the centre of the sphere that slides on a table, m;
         zero without a table
@@ -33,8 +34,8 @@ class Problem:
     ends_at_lift_off : whether the motion ends where the table would have to pull
     mass : mass of a body on a table, kg; 1 without a table, where it is not used
     q_axes_body : quaternion that takes body components to components along the principal axes
-    kept, kept_axes : for each rotor, the constant angular momentum about its axle, kg m²/s, and the
-        axle as a unit vector, along the principal axes
+    kept : for each rotor, its constant angular momentum about its axle, kg m²/s
+    kept_axes : for each rotor, the unit vector of its axle along the principal axes
     """
 
     moments: Vector
@@ -72,14 +73,15 @@ class Problem:
 
     @property
     def heaving(self) -> mpf:
-        """m l², kg m², with l the distance of tip and com of a body on a table; else 0.
+        """m l², kg m², with l the distance from tip to com of a body on a table; 0 without one.
 
-        On a table the com rises and falls, so that this is inertia that resists tilting.
+        A body that tilts on a table raises or lowers its com: m l² sin²β, with β the angle of
+        tilt, adds to its inertia against tilting.
         """
         return mp.sqrt(dot(self.tip_axes, self.tip_axes)) ** 2 * self.mass
 
     def lengthened(self, factor: mpf) -> "Problem":
-        """Return the problem with levers longer by a factor; lift-off does not end its motion."""
+        """Return the problem with its levers multiplied by a factor, and no end at lift-off."""
         levers = {
             name: tuple(factor * component for component in getattr(self, name))
             for name in ("lever_axes", "tip_axes")

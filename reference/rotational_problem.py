@@ -20,7 +20,8 @@ def rotational_problem(scenario: Scenario) -> Problem:
     Raises
     ------
     NotImplementedError
-        If `effect_terms` does not know an effect of the scene, or `motion` a force.
+        If the scene has an effect that `effect_terms` does not know, or a force that `motion` does
+        not know.
     """
     forces = {effect.name for effect in scenario.acting if effect.is_force} - FORCES_IN_FLIGHT
     if unknown := scenario.called_for - TERMS.keys() - {"pivot"} | forces:

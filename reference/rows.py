@@ -1,7 +1,7 @@
 """Rows of named numbers: scalars, vectors and matrices, of one object or of many at once.
 
-All numbers of an object are one row of an array, so that compiled code takes the array as it is,
-and one expression in Python computes with a number of many objects.
+All numbers of an object are one row of an array. So compiled code can take the array as it is, and
+one expression of numpy computes a quantity for many objects.
 """
 
 from collections.abc import Sequence
@@ -14,12 +14,14 @@ from ..scenarios import FloatArray
 
 
 class Entry:
-    """A scalar, vector or matrix in the rows of a class: read as an attribute of `Rows`.
+    """A scalar, vector or matrix that has fixed places in each row of a `Rows` class.
+
+    It is read as an attribute of the rows.
 
     Attributes
     ----------
-    shape : its shape; () of a scalar
-    first, last : index of its first number in a row, and of the number after its last one
+    shape : its shape; () for a scalar
+    first, last : its numbers are those with the indices `first` to `last` − 1 of a row
     """
 
     def __init__(self, *shape: int) -> None:
@@ -27,7 +29,7 @@ class Entry:
         self.first = self.last = 0
 
     def __set_name__(self, owner: type["Rows"], name: str) -> None:
-        """Place the entry after the entries that the class has so far."""
+        """Give the entry its places, after those of the entries declared before it in the class."""
         self.first, self.last = owner.count, owner.count + prod(self.shape)
         owner.count = self.last
 
@@ -38,7 +40,7 @@ class Entry:
     def __get__(self, rows: "Rows", owner: type["Rows"]) -> FloatArray: ...
 
     def __get__(self, rows: "Rows | None", owner: type["Rows"]) -> "Entry | FloatArray":
-        """Return the entry of one object, of `shape`, or of H objects, (H, ...)."""
+        """Return the entry's values: `shape` for one object, (H, *`shape`) for H objects."""
         if rows is None:
             return self
         numbers = rows.numbers[..., self.first : self.last]
@@ -46,7 +48,7 @@ class Entry:
 
 
 class Rows:
-    """The numbers of one object, or of H objects at once; a subclass names them by `Entry`.
+    """The numbers of one object, or of H objects at once; a subclass declares each as an `Entry`.
 
     Attributes
     ----------
@@ -60,22 +62,22 @@ class Rows:
         self.numbers = numbers
 
     def __len__(self) -> int:
-        """The number of objects, H; one object alone has no length."""
+        """Return the number of objects, H; raise `TypeError` for a single row, (count,)."""
         if self.numbers.ndim == 1:
             raise TypeError(f"one {type(self).__name__} has no length")
         return len(self.numbers)
 
     def __getitem__(self, which: Any) -> Self:
-        """Some of the H objects, or one of them, by an index of numpy's."""
+        """Return some of the H objects, or one of them, selected by any index of numpy's."""
         return type(self)(self.numbers[which])
 
     def of(self, **entries: Any) -> Self:
-        """The same objects, but for some entries.
+        """Return a copy of the objects in which some entries have new values.
 
         Parameters
         ----------
-        entries : new values by the names of entries: one value for all objects, with the shape of
-            the entry, or one for each of H objects, (H, ...)
+        entries : new values, by the entry's name: one value for all objects, with the shape of the
+            entry, or one for each of H objects, (H, ...)
 
         Raises
         ------
@@ -93,10 +95,10 @@ class Rows:
         return type(self)(numbers)
 
     def repeated(self, count: int) -> Self:
-        """A number of copies of one object."""
+        """Return `count` copies of this one object, as that many rows."""
         return type(self)(np.tile(self.numbers, (count, 1)))
 
     @classmethod
     def joined(cls, every: Sequence[Self]) -> Self:
-        """The objects of several rows, one after another."""
+        """Return the objects of all given rows, one after another."""
         return cls(np.concatenate([one.numbers for one in every]))

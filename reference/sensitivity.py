@@ -38,19 +38,19 @@ from .taylor import (
 from .taylor_coefficients import OMEGA, STATE, Q, Terms
 from .taylor_march import DONE, PAUSED, Tables
 
-#: Most steps of a march. A step takes some 15 µs, and is taken in up to thirty directions by two
-#: series.
+#: Most steps of a march. A step takes some 15 µs. A march is made for each of up to thirty numbers,
+#: by two series.
 MAX_STEPS = 100_000
 STEPS_AT_ONCE = 2_000
 #: If the relative uncertainty is above this, the next, more expensive series is tried.
 GOOD = 1e-12
-#: Orders of the series, from cheap to expensive. Beside a saddle second derivatives, and with them
-#: errors, are as large as the square of the first.
+#: Orders of the series, from cheap to expensive. Beside a saddle, second derivatives are as large
+#: as the squares of first ones, and errors grow with them.
 SERIES = (CHECK_ORDERS, TRUTH_ORDERS, FINE_ORDERS, Orders(40, 24))
 #: Relative rounding error of the start and the constants, which all series share: they are rounded
 #: to double-double.
 PAIR = EPS**2
-#: Number of rows or columns of an array that have one kind and unit.
+#: Number of adjacent columns of an array of derivatives that have the same unit.
 KIND = 3
 #: Derivatives of six numbers, (n, 6, k), by name.
 Arrays = dict[str, FloatArray]
@@ -74,15 +74,15 @@ class Sensitivity:
 
         - `inertia` (n, 6, 6), by the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz of the tensor about the
           com, kg m², body axes, which stays symmetric
-        - `moments` (n, 6, 3), by the principal moments about the com, kg m², whose axes stay
+        - `moments` (n, 6, 3), by the principal moments about the com, kg m², at constant axes
         - `mass` (n, 6), kg; `com` (n, 6, 3), from the body's origin, m, body axes
         - the parameters of effects: `gravity` (n, 6, 3), m/s², world axes; constant torques
           (n, 6, 3), N m, in the axes that they are constant in; coefficients (n, 6); the spins of
           rotors at t = 0 (n, 6, rotors), rad/s, zero for rotors that cannot turn
-    translation : None on a pivot; of other bodies, arrays of the same names and columns whose rows
-        are the com, m, and its velocity, m/s, world axes. `state_transition`, (n, 6, 12), has
+    translation : None on a pivot; for other bodies, arrays with the same names and columns, whose
+        rows are the com, m, and its velocity, m/s, world axes. `state_transition`, (n, 6, 12), has
         further columns for com and velocity at t = 0, zero along axes along which the body is held
-    rate : fastest rate of the motion, rad/s: the unit of ω in the two attributes below
+    rate : fastest rate of the motion, rad/s: the unit of ω in `conditioning` and `uncertainty`
     conditioning : (n,), the largest singular value of the state transition: the largest factor by
         which a small change of the start grows
     uncertainty : for each array, by its name, a bound on its errors relative to its largest value,
@@ -169,14 +169,15 @@ def sensitivity(
 
 @dataclass(frozen=True, eq=False)
 class _Varied:
-    """A problem and how it changes, in double-double: the same for series of any order.
+    """A problem and its derivative by one number, in double-double, for series of any order.
 
     Attributes
     ----------
-    constants : constants of the equations, and their change
+    constants : constants of the equations, and their derivatives
     terms : which terms the equations have
-    start, tangent : ω and attitude, principal axes, in one row, and their change
-    tensor : δI, kg m², principal axes, (3, 3)
+    start : ω, rad/s, and the quaternion of the attitude, principal axes, in one row
+    tangent : the derivatives of `start`, in one row
+    tensor : δI, kg m² per unit of the number, principal axes, (3, 3)
     R_axes_body : matrix from body axes to principal axes, (3, 3)
     """
 
@@ -189,10 +190,7 @@ class _Varied:
 
 
 def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]:
-    """Return a function from a change of the problem to its `_Varied`.
-
-    A `_Varied` has the problem's constants and start, and their derivatives along the change.
-    """
+    """Return a function that returns the problem together with its derivative along a change."""
     # The effects of the scene, not only those that turn the body: a lever that is zero may have a
     # derivative that is not.
     terms = terms_of(problem, scenario.called_for & TERMS.keys())
@@ -393,8 +391,8 @@ def _apart(
 def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
     """Return the largest difference relative to the largest value.
 
-    Columns of different units are compared apart; the largest of their ratios is returned, 0 for
-    values that are all zero.
+    Columns of different units are treated separately, and the largest of their ratios is returned.
+    A ratio is 0 if all values in its columns are zero.
 
     Parameters
     ----------

@@ -16,8 +16,8 @@ class Solution:
     method : how it was solved, in words
     uncertainty : bound on the trajectory's own errors, in the norms that runs are judged by
     conditioning : change of the motion by a relative change of one ulp in the start and the body,
-        to first order and in the worst direction. Symmetric bodies stay symmetric: rounding, step
-        by step, changes states and not the body
+        to first order and in the worst direction. A symmetric body stays symmetric, because
+        rounding in an engine's steps changes the state and not the body
     horizon : s, the first of the given times at which the uncertainty of a chaotic motion exceeds
         `MAX_UNCERTAINTY`, or the time at which a body leaves its table; the trajectory ends before
         it. None if neither happens
@@ -51,10 +51,10 @@ class Solution:
             )
 
     def ends_before(self, duration: float) -> str:
-        """Return a message that the motion is not known until a window ends; empty if it is.
+        """Return a message that the motion is not known to the end of a window; empty if it is.
 
-        The solution must be at the times of this window: the horizon is not compared with
-        `duration`.
+        This solution must have been computed at the times of that window: the horizon is not
+        compared with `duration`.
 
         Parameters
         ----------

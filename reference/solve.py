@@ -40,9 +40,9 @@ ROUNDING = 8 * EPS
 #: Error, rad, for each radian turned: a closed form's phase is a time t multiplied by a rate in
 #: double-double, whose relative error is at most EPS²/4.
 PHASE_ROUNDING = EPS**2
-#: Turn, rad, up to which a closed form is compared with the ODE: a tenth of a second of computing.
+#: Turn, rad, up to which a closed form is compared with the ODE, which takes a tenth of a second.
 CHECKED_TURN = 5e3
-#: Number of samples compared, over all of that span and again over its beginning.
+#: Number of samples compared over all of that turn, and again over its first `SURE_TURN`.
 CHECKED_SAMPLES = 64
 #: Number of scenes whose problem and closed form are kept, because reports ask for them repeatedly.
 SCENES = 256
@@ -76,14 +76,18 @@ def solve_cheaply(scenario: Scenario, rows: Sequence[FloatArray]) -> list[Soluti
     """Return the exact motion of a scene at each of several rows of times, at low cost.
 
     It is for studies of very many scenes, in which no verdict depends on a single scene. The
-    conditioning is NaN, and the uncertainty leaves out the rounding of states, unless `solve` is
-    called. This is done only where the series does not reach the last time, as beside a saddle:
-    finding a closed form costs as much as hundreds of radians of the series. The errors raised are
-    those of `solve`.
+    motion is integrated by Taylor series, with a conditioning of NaN and an uncertainty without
+    the rounding of states. `solve` is called only if the series is not known to the last time, as
+    beside a saddle, where errors grow: finding a closed form costs as much as hundreds of radians
+    of the series. The errors raised are those of `solve`.
 
     Parameters
     ----------
-    rows : rows of times, s, each increasing and from 0 on
+    rows : rows of times, (n,) s, each increasing and from 0 on
+
+    Returns
+    -------
+    A solution for each row
     """
     times = np.unique(np.concatenate([_increasing(row) for row in rows]))
     solution = _by_series(scenario, rotational_problem(scenario), times)
@@ -101,14 +105,17 @@ class ExactMotion:
         self._problem, self._closed = _posed(scenario)
 
     def solve(self, times: FloatArray) -> Solution:
-        """Return the motion at given times and its uncertainty, as the function `solve` does."""
+        """Return the motion and its uncertainty at given times, (n,) s, increasing, from 0 on.
+
+        It raises the errors of the function `solve`.
+        """
         times = _increasing(times)
         if self._closed is not None:
             return _solve_closed(self._scenario, self._problem, self._closed, times)
         return _solve_ode(self._scenario, self._problem, times)
 
     def solve_each(self, rows: Sequence[FloatArray]) -> list[Solution]:
-        """Return the motion at each of several rows of times, computed for all rows together.
+        """Return the motion at each of several rows of times, (n,) s, computed for all together.
 
         Uncertainty and conditioning are those over all times, and so upper bounds for each row.
         """
@@ -144,7 +151,7 @@ def _increasing(times: FloatArray) -> FloatArray:
 
 
 def _part(together: Solution, times: FloatArray) -> Solution:
-    """Return the part of a solution at some of its times, up to the solution's horizon.
+    """Return the part of a solution at `times`, some of its own, up to the solution's horizon.
 
     If the part ends before the last of these times, its horizon is the time of lift-off, or else
     the first of these times from the solution's horizon on.
@@ -203,11 +210,12 @@ def _solve_closed(
 
 
 def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -> Errors:
-    """Return how far a closed form, `by_form`, is from the ODE while the ODE is accurate.
+    """Return how far the motion by a closed form is from that by the ODE, while that is accurate.
 
     Beside a saddle the ODE's solution is inaccurate: its rounding error grows, and that of the
-    closed form does not. If the two differ, the closed form is compared with the most expensive
-    series instead, up to the sample where the usual series departs from that series.
+    closed form does not. If the two differ by more than rounding, the closed form is compared with
+    the series of `FINE_ORDERS` instead, up to the sample where the series of `TRUTH_ORDERS` departs
+    from it.
     """
 
     def by_ode(orders: Orders) -> Trajectory:
@@ -237,8 +245,8 @@ def _conditioning_of_closed(
     """Return the conditioning of a motion in closed form.
 
     It is computed by the ODE at the times of `within_reach`, which the ODE integrator reaches
-    quickly. If `trajectory` goes further, it is also computed by closed forms, which cost more for
-    each changed problem, and the larger result is returned.
+    quickly. If `trajectory` goes further, it is also computed by closed forms, which must be found
+    for each changed problem at a higher cost, and the larger result is returned.
     """
 
     def by_ode(neighbour: Problem) -> Trajectory:
@@ -273,7 +281,7 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 
 def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
-    """Return the solution by the ODE without conditioning, which would take twice as long.
+    """Return the solution by the ODE, without its conditioning, which takes twice as long.
 
     Conditioning is NaN, and uncertainty does not include the errors that `rounding_of` returns.
     """
@@ -290,11 +298,12 @@ def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 
 class _Known(NamedTuple):
-    """A motion by two series, up to the sample from which on they disagree.
+    """A motion computed by two series, up to the first sample at which they disagree.
 
     Attributes
     ----------
-    trajectory, coarser : the motion by the more and by the less expensive series
+    trajectory : the motion by the more expensive series
+    coarser : the motion by the less expensive one
     horizon, lifts_off : as in `Solution`
     """
 
@@ -327,7 +336,7 @@ def _integrated_to_horizon(scenario: Scenario, problem: Problem, times: FloatArr
             return known
         return known._replace(horizon=lift_off.time, lifts_off=True)
     n = _count_of_agreeing_samples(scenario, trajectory, coarser)
-    if n < len(times):  # chaos: from where the usual series ends, the most expensive one goes on
+    if n < len(times):  # chaos: the most expensive series is known to later times
         coarser, trajectory = trajectory, integrated(FINE_ORDERS)
         n = _count_of_agreeing_samples(scenario, trajectory, coarser)
     if n == 0:

@@ -22,7 +22,7 @@ def perturbation_rate_squared(moments: Vector, axis: int, rate: float) -> float:
     ----------
     moments : principal moments, kg m²
     axis : k, 0 to 2
-    rate : rad/s
+    rate : ω_k, rad/s
     """
     with mp.workdps(DIGITS):
         I_k, I_i, I_j = (moments[(axis + shift) % 3] for shift in range(3))
@@ -30,7 +30,7 @@ def perturbation_rate_squared(moments: Vector, axis: int, rate: float) -> float:
 
 
 def body_cone_rate(I1: float, I3: float, omega3: float) -> float:
-    """Return the rate at which ω goes round the axis of a free symmetric body, body axes, rad/s.
+    """Return the rate at which ω goes round a free symmetric body's axis, seen in the body, rad/s.
 
     ω1 + iω2 ∝ exp(iΩt) with Ω = (I3 − I1)/I1 ω3 (Goldstein §5.6; the Chandler wobble is the
     Earth's).
@@ -52,7 +52,8 @@ def separatrix_distance(moments: Vector, omega: Vector) -> float:
 
     Parameters
     ----------
-    moments, omega : principal moments, kg m², and ω along their axes, rad/s
+    moments : principal moments, kg m²
+    omega : ω along the principal axes, rad/s
     """
     with mp.workdps(DIGITS):
         square = mp.fsum((moment * w) ** 2 for moment, w in zip(moments, omega, strict=True))
@@ -64,12 +65,13 @@ def tumbling_period(moments: Vector, omega: Vector) -> float | None:
 
     p² = (I3 − I2)(L² − 2 E I1)/(I1 I2 I3) and p² k'² = (I3 − I1)(L² − 2 E I2)/(I1 I2 I3), where 2
     is the middle axis and 3 the one that ω circulates about (Landau & Lifshitz §37, eq. 37.8–12);
-    by Carlson, 4K/p = 4 R_F(0, p² k'², p²) (DLMF 19.25.1). In the limit of rotation about an
-    extreme axis this is the period of its wobble.
+    by Carlson, 4K/p = 4 R_F(0, p² k'², p²) (DLMF 19.25.1). In the limit of rotation about the axis
+    of the largest or the smallest moment it is the period of a small wobble.
 
     Parameters
     ----------
-    moments, omega : as for `separatrix_distance`
+    moments : principal moments, kg m²
+    omega : ω along the principal axes, rad/s
 
     Returns
     -------

@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 from ..scenarios import Errors, Scenario, Trajectory, errors_between, signals_of
 
 EPS = float(np.finfo(float).eps)
-#: Factor by which a component's error is magnified: far above rounding, and still small.
+#: Factor by which a component's error is magnified, so that its effect is far above rounding; it is
+#: still so small that the effect is linear.
 MAGNIFIED = 2.0**20
 #: Error, in ulp, of a component together with the products that it enters.
 ROUNDED = 2
@@ -18,11 +19,11 @@ LOOKED_AT = 64
 
 
 def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
-    """Return the error of each signal that rounding of a motion's states to doubles causes.
+    """Return the error of each signal that the rounding of a motion's states to doubles causes.
 
-    It is relative or in rad, and large where opposite angular momenta cancel. Rounding errors of
-    single components have random signs, so that the squares of their effects are added. Not more
-    than `LOOKED_AT` samples are examined.
+    It is relative or in rad. It is large where the angular momenta of body and rotors cancel.
+    Rounding errors of single components have random signs, so that the squares of their effects are
+    added. At most `LOOKED_AT` samples are examined.
     """
     every = -(-len(motion.t) // LOOKED_AT)
     seen = motion.every(every)
@@ -39,9 +40,9 @@ def rounding_of(scenario: Scenario, motion: Trajectory) -> Errors:
 def moved_states(
     scenario: Scenario, motion: Trajectory, uncertainty: Errors, placed: float
 ) -> Iterator[Trajectory]:
-    """Yield for each component of the states the motion with an error in this component.
+    """Yield for each component of the states a copy of the motion with an error in this component.
 
-    The error is `MAGNIFIED` times the stated one, at all samples.
+    The error is `MAGNIFIED` times the one that the parameters state, and the same at all samples.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def moved_states(
 
 
 def _placed(scenario: Scenario, motion: Trajectory) -> Trajectory:
-    """Return a motion whose com and velocity follow from attitude and ω along held axes."""
+    """Return the motion with com and velocity along held axes computed from attitude and ω."""
     constraint = scenario.constraint
     swing_world = motion.to_world(np.cross(motion.omega_body, constraint.lever))
     return replace(

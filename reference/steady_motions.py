@@ -13,7 +13,10 @@ ZERO = mpc(0)
 
 
 def turns_rigidly(problem: Problem) -> bool:
-    """Whether ω stays constant if no torque acts, since ω is along L (Landau & Lifshitz §36)."""
+    """Whether ω is along L at t = 0, so that it stays constant without torque.
+
+    See Landau & Lifshitz §36.
+    """
     moments, omega = problem.moments, problem.omega_axes
     with mp.workdps(DIGITS):
         speed = norm(omega)
@@ -35,7 +38,8 @@ def rigid_rotation(problem: Problem) -> ClosedForm:
         frames = Frames(
             product(problem.q_world_axes, conjugate(q_frame_axes)), q_frame_axes, (e1, e2, omega)
         )
-        # The third "unit" vector is ω itself, and ω is 1 along it, so that ω is rounded only once.
+        # In place of the third unit vector stands ω itself, with 1 as its component: so ω is
+        # rounded only once.
         quotients = (turning(mpc(1), speed / 2), turning(ZERO), turning(ZERO), turning(mpc(1)))
         return ClosedForm("Rotation about a fixed axis", tables(None, quotients, frames), 0.0, None)
 
@@ -46,14 +50,15 @@ def regular_precession(
     omega: Vector,
     rates: tuple[mpf, mpf],
 ) -> ClosedForm:
-    """Return steady precession and spin at a constant tilt.
+    """Return the closed form of steady precession and spin at a constant tilt.
 
     Parameters
     ----------
-    frames : the frames of the top and of the world in which A and B are given
-    start, omega : attitude, and angular velocity along the top's frame, rad/s, at t = 0
-    rates : rates of the phases of A and B, rad/s, (α' + γ')/2 and (α' − γ')/2. W is proportional to
-        A B*, since A' = ½ (iω3 A − W B), and turns at their difference γ'
+    frames : the frame fixed in the top and the one fixed in the world that A and B relate
+    start : A and B at t = 0
+    omega : angular velocity at t = 0 along the axes of the top's frame, rad/s
+    rates : rates of the phases of A and B, rad/s, (α' + γ')/2 and (α' − γ')/2. As A' is
+        ½ (iω3 A − W B), W is proportional to A B*: its phase has the difference γ' of these rates
     """
     of_A, of_B = rates
     quotients = (

@@ -18,23 +18,23 @@ UNIT_VECTORS: tuple[Vector, Vector, Vector] = (
 
 
 def equal(a: mpf, b: mpf, scale: mpf = 0) -> bool:
-    """Whether a and b are equal to working precision of the largest of |a|, |b| and `scale`."""
+    """Whether a and b differ by rounding only, relative to the largest of |a|, |b| and `scale`."""
     return bool(abs(a - b) <= EQUAL_TO_WORKING_PRECISION * max(abs(a), abs(b), scale))
 
 
 def norm(vector: Sequence[mpf]) -> mpf:
-    """Return the Euclidean length of a vector, at the caller's precision."""
+    """Return the Euclidean length of a vector, in the caller's precision of mpmath."""
     return mp.sqrt(dot(vector, vector))
 
 
 def scaled(vector: Vector, factor: mpf) -> Vector:
-    """Return factor · vector, at the caller's precision."""
+    """Return factor · vector, in the caller's precision of mpmath."""
     x, y, z = vector
     return (factor * x, factor * y, factor * z)
 
 
 def gravity_torque_scale(problem: Problem) -> mpf:
-    """Return M g l, N m: weight times the com's distance from pivot or tip; 0 for a free body."""
+    """Return M g l, N m: weight times the com's distance from pivot or tip; 0 if it has neither."""
     with mp.workdps(DIGITS):
         return norm(problem.held_lever) * norm(problem.gravity_world)
 
@@ -42,12 +42,12 @@ def gravity_torque_scale(problem: Problem) -> mpf:
 def symmetry_axis(problem: Problem) -> Vector | None:
     """Return the axis that a top is symmetric about, a unit vector in principal components.
 
-    Symmetric means that the two moments across the axis are equal, and that the lever on which
-    gravity acts is along the axis. If there is such a lever, the axis points from pivot or tip to
-    the com; if not, it is the principal axis whose moment differs from the other two.
+    The two moments across this axis are equal. If gravity can turn the body about its pivot or tip,
+    the axis must also contain the com, and points from pivot or tip to the com. If not, it is the
+    principal axis whose moment differs from the other two.
 
-    It is None if there is no such axis, for a sphere without a lever, and for a body whose rotors
-    have an angular momentum.
+    It is None if there is no such axis, as for a sphere that gravity cannot turn, and for a body
+    whose rotors have an angular momentum.
     """
     if any(problem.kept_momentum):
         return None
@@ -110,7 +110,10 @@ def to_body(problem: Problem, vector_axes: Vector) -> Vector:
 
 
 def _axis_of_the_single_moment(moments: Vector) -> int | None:
-    """Return the index of the moment that differs from two equal ones; None if there is none."""
+    """Return the index of the moment that differs from two equal ones; None unless two are equal.
+
+    It is None for three equal moments, too.
+    """
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
         if equal(moments[i], moments[j]) and not equal(moments[k], moments[i]):

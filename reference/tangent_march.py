@@ -1,8 +1,8 @@
 """The march of a motion together with its derivative by one parameter, in duals.
 
-The recurrences of `taylor_coefficients` are those of the motion: in duals they are the variational
-equations, term by term (docs/explanation/sensitivities.md). Only a change δI of the inertia is
-added here: the axes stay those in which I is diagonal, so that δI may have any entries::
+The recurrences of `taylor_coefficients`, computed in duals, are the variational equations, term by
+term (docs/explanation/sensitivities.md). Only the terms of a change δI of the inertia are added
+here. The axes stay those in which I is diagonal; δI need not be diagonal in them::
 
     I δω' = … − δI ω' + (δI ω) × ω
 """
@@ -55,7 +55,7 @@ from .taylor_numbers import (
 MOVED, WIDTH = COLUMNS, COLUMNS + 3
 #: Row that holds n, in the table whose other rows are 1/n and 1/(2n).
 COUNT = 2
-#: The first 1/`LOWER` of the orders count as the lower terms of a derivative.
+#: A step is chosen by the last terms of a derivative relative to its first 1/`LOWER` of all terms.
 LOWER = 4
 
 
@@ -73,7 +73,7 @@ def _move(series: Dual, tensor: Table, n: int) -> None:
 def _add_inertia(
     series: Dual, constants: Dual, inverses: Dual, terms: Terms, tensor: Table, n: int
 ) -> None:
-    """Add the contribution of a change δI to order n of δω', once order n of ω' is computed."""
+    """Add the contribution of a change δI to order n of δω'; order n of ω' must be known."""
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)
     for i in range(3):
@@ -105,9 +105,9 @@ def _extend_with_inertia(
 def _tangent_step(tangent: FloatArray, order: int) -> float:
     """Return the step, s, at which the last two terms of the derivative's series are small.
 
-    Term n must be at most e⁻²⁽ⁿ⁻ᵏ⁾ of a lower term k, for ω and for q. It is not compared with the
-    first term alone: a derivative may begin with zeros, and the derivative of a body at rest need
-    not be at rest.
+    Term n must be at most e⁻²⁽ⁿ⁻ᵏ⁾ of one of the lower terms k, for ω and for q. It is not compared
+    with term 0 alone, because that may be zero: a derivative may be zero at first, and that of a
+    body at rest may grow.
     """
     radius = np.inf
     for first, last in ((OMEGA, OMEGA + 3), (Q, Q + 4)):
@@ -145,15 +145,16 @@ def march_with_tangent(
 
     Parameters
     ----------
-    constants, inverses, terms, paired, clock, times, first, steps : as for `march`; tables have
-        values, and tangents, which are derivatives by the parameter
-    tensor : δI, the derivative of the tensor of inertia, principal axes, (3, 3)
+    constants, inverses : as for `march`, each with its derivative by the parameter as the tangent
+    terms, paired, clock, times, first, steps : as for `march`
+    tensor : δI, the derivative of the tensor of inertia, kg m², principal axes, (3, 3)
     series : order 0 has the state and its derivative at the time `clock`; it is overwritten
     states, tangents : the states and their derivatives, doubles, which are written, (n, STATE) each
 
     Returns
     -------
-    As `march` returns them
+    Why the march ended, `DONE`, `PAUSED` or `STUCK`, and the index of the first sample that is not
+    written
     """
     total = series.value[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

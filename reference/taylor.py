@@ -34,8 +34,8 @@ from .taylor_march import LIFTED, PAUSED, STUCK, Tables, march
 #: Most steps of an integration. A step takes 2 to 10 µs; more would take minutes, which no study
 #: waits for.
 MAX_STEPS = 20_000_000
-#: The integration is given up when it would take this many times `MAX_STEPS` at the size of the
-#: steps so far: only a motion that slows down that much could still finish.
+#: The integration is given up if, at the mean step so far, it would take this many times
+#: `MAX_STEPS`: only a motion that slows down by that factor could still finish.
 HOPELESS = 2
 #: Steps between checks for Ctrl-C: compiled code cannot be interrupted.
 STEPS_AT_ONCE = 100_000
@@ -198,7 +198,9 @@ def constants_of(problem: Problem) -> Tables:
 
 
 def derived_constants(problem: Problem, changed: Problem) -> Tables:
-    """Return the derivatives of `constants_of` with respect to a number in which they are linear.
+    """Return the derivatives of the constants of `constants_of` by a number they are linear in.
+
+    They are high and low parts, (ROWS, 3) each.
 
     Parameters
     ----------

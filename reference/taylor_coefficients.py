@@ -7,16 +7,17 @@ constant in the world as seen from the principal axes::
     q'   = ½ q ⊗ (0, ω)                                    q takes axes to world
     Γ'   = Γ × ω,  Σ' = Σ × ω                              Poisson: a fixed vector, seen turning
 
-On a table (scenarios/effects/table.py) with the tip at a from the centre of mass, U the upward
-normal as seen from the axes, b = a × U, u the ω' above, e = (m/I) b, and f = N/m::
+On a table (scenarios/effects/table.py) with normal force N, the tip at a from the centre of mass, U
+the upward normal as seen from the axes, b = a × U, u the ω' of Euler's equation above, e = (m/I) b,
+and f = N/m::
 
     U' = U × ω,  ω' = u + f e,  f (1 + b·e) = −g_z − a·(U' × ω) − b·u
 
 (Goldstein, Poole & Safko, Classical Mechanics, 3rd ed., §5.5, and §4.9 for vectors seen turning.)
 Right-hand sides are sums of products of two series, so that order n + 1 follows from orders 0..n
 by Cauchy products (Jorba & Zou, Experimental Mathematics 14 (2005) 99-117, section 2.1), and f as
-a quotient. Γ, Σ and U are no part of the state, which could not keep them consistent with q: every
-step makes them anew from q, and only their higher orders come from their own equation.
+a quotient. Γ, Σ and U are not part of the state, because rounding would make them inconsistent with
+q: every step computes them from q, and only their higher orders from Poisson's equation.
 
 A series is an array with a row for each order and a column for each component.
 """
@@ -45,7 +46,8 @@ OMEGA, Q, STATE, GRAVITY, TORQUE, UP = 0, 3, 7, 7, 10, 13
 # On a table: U', b, e, u; 1 + b·e and f.
 UP_RATE, ARM, GAIN, OTHER, MOBILITY, PRESSED, COLUMNS = 16, 19, 22, 25, 28, 29, 30
 
-# Rows of the table of constants, one column an axis; "and cyclic" for the other two axes.
+# Rows of the table of constants. Each has a column for each axis; "and cyclic" means that those of
+# the other two axes follow by cyclic permutation.
 EULER = 0  # (I₂ − I₃)/I₁ and cyclic
 LEVER_NEXT = 1  # ℓ₂/I₁ and cyclic, 1/m
 LEVER_AFTER = 2  # −ℓ₃/I₁ and cyclic, 1/m
@@ -57,7 +59,7 @@ TORQUE_WORLD = 7  # N m
 TIP = 8  # a, m
 MASS_OVER_MOMENT = 9  # m/I, 1/m²
 UP_WORLD = 10
-DOWN_AND_RADIUS = 11  # −g_z, m/s², the radius of the tip, m, and 1 if a lift-off ends it
+DOWN_AND_RADIUS = 11  # −g_z, m/s²; radius of the tip, m; 1 if lift-off ends the motion, else 0
 MOMENTUM = 12  # h, kg m²/s
 ROWS = 13
 
@@ -222,7 +224,7 @@ def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
 
 @kernel
 def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
-    """Add a table's force to order n + 1 of ω, once order n of ω' without the force is known.
+    """Add a table's force to order n + 1 of ω, given order n of ω' without the force.
 
     `extend` repeats these lines, because a call there costs a fifth of the time.
     """
@@ -273,9 +275,8 @@ def _scaled_plus_cross(scale: Number, a: Vector, b: Vector) -> Vector:
 def see_world_vector(series: Table, constants: Table, row: int, column: int) -> None:
     """Write order 0 of q̄ v q: a vector v that is constant in the world, along the principal axes.
 
-    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that take the norm of q for 1 are
-    shorter, but disagree with Γ' = Γ × ω where rounding has changed the norm; this formula only
-    scales Γ.
+    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that assume |q| = 1 are shorter, but
+    disagree with Γ' = Γ × ω where rounding has changed |q|; in this formula |q| only scales Γ.
 
     Parameters
     ----------

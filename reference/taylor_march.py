@@ -1,8 +1,8 @@
 """The march of a Taylor integrator: one polynomial for each step, evaluated at every sample in it.
 
-Orders up to a bound, the state and the clock are double-doubles, the orders beyond are doubles.
-Term n of the series is at most e⁻²ⁿ of the state, and its rounding error is smaller in the same
-way.
+Orders up to a bound, the state and the clock are double-doubles; higher orders are doubles. This
+suffices because term n of the series is at most e⁻²ⁿ of the state, and its rounding error is
+smaller by the same factor.
 """
 
 import math
@@ -66,7 +66,7 @@ def step_size(coefficients: FloatArray, order: int) -> float:
 
     It is computed from the last two of N orders, as in Jorba & Zou 2005, section 3. The size of the
     state is 1 for q, and for ω the larger of ‖ω‖ and its change in the step, so that a body may
-    start from rest. It is infinite for a body that stays at rest, and 0 where numbers overflowed.
+    start from rest. The step is inf for a body that stays at rest, and 0 where numbers overflowed.
     """
     speed = row_size(coefficients, 0, OMEGA, OMEGA + 3)
     gain = row_size(coefficients, 1, OMEGA, OMEGA + 3)
@@ -89,11 +89,12 @@ def step_size(coefficients: FloatArray, order: int) -> float:
 def evaluate(
     series: Tables, total: int, paired: int, t: DoubleDouble, state: FloatArray, low: FloatArray
 ) -> None:
-    """Write the state at a time t from the centre of the series, by Horner's rule.
+    """Write the state at a time t after the centre of the series, by Horner's rule.
 
     Parameters
     ----------
     total, paired : number of orders, and how many of them are in double-double
+    t : s, high and low part
     state, low : high and low parts of the state, which are written, (STATE,)
     """
     high_orders, low_orders = series
@@ -122,7 +123,7 @@ def _stop_if_stopped(series: Table) -> None:
 def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
     """Write the vectors that are fixed in the world into order 0 of a series.
 
-    Order 0 has the state already.
+    Order 0 has the state already; under drag, its ω is set to 0 if it is below `STOPPED`.
     """
     if terms.linear:
         _stop_if_stopped(series)
@@ -192,7 +193,7 @@ def march(
 
     Parameters
     ----------
-    constants, inverses, terms : as for `extend`
+    constants, inverses, terms : what `taylor.constants_of`, `inverses_to` and `terms_of` return
     paired : number of orders that are in double-double
     series : order 0 has the state at the time `clock`; it is overwritten
     clock : the time, as high and low part, s, (2,); it is advanced

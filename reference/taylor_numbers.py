@@ -1,9 +1,9 @@
 """The operations on numbers in recurrences of a Taylor series, for doubles and double-doubles.
 
 Numbers are held in a table: one array of doubles, or two arrays, high and low parts of
-double-doubles ("pairs"). Each function here has a body
-for doubles and another for pairs, and numba picks one by type when it compiles: a recurrence is
-written once and runs at full speed in either arithmetic. `dual_numbers` adds bodies for duals.
+double-doubles ("pairs"). Each function here has a body for doubles and another for pairs, and numba
+picks one by type when it compiles. So a recurrence is written once and runs at full speed in either
+arithmetic. `dual_numbers` adds bodies for duals.
 """
 
 from collections.abc import Callable
@@ -111,12 +111,12 @@ def _add_product(total: DoubleDouble, a: DoubleDouble, b: DoubleDouble) -> Doubl
 
 @for_pairs(lambda total, a, b: _add_product(total, a, b))
 def add_product(total: Number, a: Number, b: Number) -> Number:
-    """Return total + a b; once all products are added, `rounded` makes a number of the total.
+    """Return total + a b; after the last product, `rounded` converts the total to a number.
 
-    In double-double the rounding errors are added up in a sum of their own and not folded in term
-    by term. This is a dot product in twice the working precision, which takes half the work of sums
-    of products; its error is at most n u² times the sum of the terms' sizes (Ogita, Rump & Oishi
-    2005, algorithm 5.3).
+    In double-double the rounding errors are summed apart, and added by `rounded` at the end. This
+    is a dot product in twice the working precision. It takes half the work of rounding each term;
+    its error is at most n u² times the sum of the terms' sizes (Ogita, Rump & Oishi 2005,
+    algorithm 5.3).
     """
     return fma(a, b, total)
 

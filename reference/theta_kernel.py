@@ -1,8 +1,8 @@
 """Evaluates a top's motion from tables of theta quotients, at full speed in double precision.
 
-The argument and the phases grow with time without bound. They are products of a time and of a
-constant that is a double-double, whole turns are taken off exactly, and only the remainder is
-rounded: a billion periods on, the error is that of the first.
+The argument and the phases grow with time without bound. Each is the product of a time and of a
+constant in double-double. Whole turns are subtracted exactly, and only the rest is rounded: after a
+billion periods the error is that of the first.
 """
 
 import math
@@ -20,7 +20,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 Quaternion = tuple[float, float, float, float]
 
-#: Beyond this argument a motion that ends at the separatrix's saddle has arrived: e^-300 = 5e-131.
+#: On the separatrix, a motion is at its saddle beyond this argument: it is e^-300 = 5e-131 away.
 FAR = 300.0
 
 #: Rows of the tables: the quotients, and the denominator θ4.
@@ -33,15 +33,15 @@ class ThetaTables(NamedTuple):
     Attributes
     ----------
     hyperbolic : whether harmonics are sinh and cosh
-    endless : whether the motion never repeats: its argument is not reduced
+    endless : whether the motion never repeats, on a separatrix: its argument is not reduced
     clock : (3, 2) double-doubles: cells per second, cells at t = 0, and argument per cell. A cell
         is a half period 2K of sn and cn, or 1 for a motion that never repeats
     kinds : (ROWS, 2) kind of harmonics of the real and the imaginary part
     coefficients : (ROWS, 2, n) coefficients of the harmonics
     halved : (ROWS,) whether the series is in x/2
     power : (ROWS,) power of √θ4 in the denominator
-    phases : (ROWS, 3, 2) double-doubles: turns per second, at t = 0, per cell
-    left, right : (4,) quaternions that the quaternion of A and B is multiplied by on each side
+    phases : (ROWS, 3, 2) double-doubles: each phase in turns, per second, at t = 0 and per cell
+    left, right : (4,) quaternions by which that of A and B is multiplied on the left and the right
     axes : (3, 3) matrix from ω in the frame of A, B and W to ω along the principal axes
     """
 
@@ -60,10 +60,10 @@ class ThetaTables(NamedTuple):
 
 @kernel
 def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, float]:
-    """Return the argument at a time t in cells, split into whole cells and a rest.
+    """Return the theta functions' argument at a time t, s, in cells: whole cells, and the rest.
 
-    The rest is a double-double, high and low part, in [-1/2, 1/2] cells; of an endless motion it is
-    the whole argument.
+    The rest is a double-double, as high and low part, in [-1/2, 1/2]. For an endless motion the
+    number of whole cells is 0, and the rest is all of the argument.
     """
     p, e = two_prod(t, clock[0, 0])
     s, f = two_sum(p, clock[1, 0])
@@ -74,7 +74,10 @@ def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, flo
 
 @kernel
 def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
-    """Return cosine and sine of a phase that is t · phase[0] + phase[1] + cell · phase[2] turns."""
+    """Return cosine and sine of the phase t · phase[0] + phase[1] + cell · phase[2], in turns.
+
+    Each row of `phase` is a double-double.
+    """
     p, e = two_prod(t, phase[0, 0])
     r, f = two_prod(cell, phase[2, 0])
     s, g = two_sum(p - np.rint(p), r - np.rint(r))
@@ -135,7 +138,7 @@ def _product(p: Quaternion, q: Quaternion) -> Quaternion:
 
 @kernel
 def _quotients(t: float, tables: ThetaTables, values: FloatArray) -> None:
-    """Write real and imaginary part of A, B, W and ω3 at a time into values, (ROWS, 2)."""
+    """Write real and imaginary part of A, B, W and ω3 at a time t, s, into `values`, (ROWS, 2)."""
     cell, high, low = _cell(t, tables.clock, tables.endless)
     if tables.endless:
         high = min(max(high, -FAR), FAR)

@@ -7,8 +7,8 @@ attitude q = (Re A, −Im B, Re B, Im A) and the angular velocity W = ω2 + iω1
 
 (F. Klein & A. Sommerfeld, Über die Theorie des Kreisels, ch. VI; derivation:
 docs/explanation/closed-forms.md).
-Each class supplies θ, η, and the logarithmic derivative in time; the rate Ω and the factor G follow
-here in extended precision, and only sums of a few terms remain for the kernel.
+Each class of top supplies θ, η, and the logarithmic derivative of A, B and W in time. This module
+computes Ω and G from them in extended precision; the kernel then sums a few terms at each time.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ from .theta_kernel import ROWS, ThetaTables, evaluate
 #: Number of harmonics kept. Harmonic k is at most e^(−k² π/2) of the first (see `elliptic.TERMS`):
 #: the rest is < 4e-34.
 KERNEL_TERMS = 7
-#: Arguments inside half a cell, which is π/2 or more, at which Ω is computed and checked.
+#: Arguments x at which Ω is computed and checked, in the first half of a cell: it is >= π/2 long.
 CHECKED = (mpf(1) / 2, mpf(1))
 
 
@@ -125,7 +125,7 @@ class Frames(NamedTuple):
     Attributes
     ----------
     q_left, q_right : q_world_axes = q_left q(A, B) q_right
-    columns_axes : unit vectors of the frame of W, along the principal axes
+    columns_axes : vectors c1, c2, c3 in principal components: ω is ω1 c1 + ω2 c2 + ω3 c3
     """
 
     q_left: Quaternion
@@ -145,10 +145,10 @@ def turning(value: mpc, rate: mpf = 0) -> Quotient:
 
 
 def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Quotient:
-    """Return a quotient with the denominator θ4 whose phase changes only from cell to cell.
+    """Return the quotient (real + i imaginary)/θ4, with a phase that changes only between cells.
 
-    `turns_per_cell`, its change by each cell, is half a turn for a function that changes its sign
-    from cell to cell, else 0.
+    `turns_per_cell` is that change from one cell to the next, in turns: 1/2 for a function that
+    changes its sign, else 0.
     """
     return Quotient(real, imaginary, False, 2, mpf(0), mpf(0), turns_per_cell)
 
@@ -187,8 +187,8 @@ def fitted(
     misfit = abs(factor * value - wanted[0]) + abs(factor * slope - wanted[1])
     residual = sum(abs(r - mpc(0, rate)) for r in rates) / max(abs(rate), clock.rate)
     residual += misfit / (abs(factor) * mp.sqrt(size))
-    # After a cell θ has changed sign; if it is hyperbolic, the factor that it leaves out changes
-    # its phase as well.
+    # From a cell to the next θ changes sign; the factor that a hyperbolic series leaves out changes
+    # the phase as well.
     turns_per_cell = mpf(1) / 2 - (numerator.eta / mp.pi if numerator.hyperbolic else 0)
     quotient = Quotient(
         scaled(numerator.real, abs(factor)),
@@ -241,7 +241,7 @@ def _clock_constants(clock: Clock | None, endless: bool) -> FloatArray:
 
 
 def _without_phase(clock: Clock, numerator: Theta, power: int, x: mpf) -> tuple[mpc, mpc]:
-    """Return θ/√θ4^power at real x, and its derivative with respect to x."""
+    """Return θ/√θ4^power at real x, with θ the numerator, and its derivative by x."""
     above, above_slope = numerator.value_and_slope(x)
     below, below_slope = (part.real for part in clock.theta4.value_and_slope(x))
     root = mp.sqrt(below) ** power

@@ -35,7 +35,7 @@ class ErrorSeries:
     def first_beyond(self, name: str, bound: float) -> int | None:
         """Return the index of the first sample at which a signal's distance exceeds a bound.
 
-        A distance that is NaN counts as above the bound. None if there is no such sample.
+        A distance that is NaN counts as above the bound. It is None if there is no such sample.
 
         Parameters
         ----------
@@ -54,8 +54,8 @@ class ErrorSeries:
 class ErrorNorm:
     """The norm of errors of motions from one exact motion.
 
-    A motion is converted to an array of all its signals side by side, called its table; distances
-    are those of two such tables.
+    A motion is converted to an array with the values of all its signals side by side, called its
+    table. Distances between motions are computed from their tables.
     """
 
     scenario: Scenario

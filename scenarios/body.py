@@ -118,7 +118,10 @@ def body_about_com(mass: float, com: Sequence[float], inertia: Sequence[Sequence
 def body_about_origin(
     mass: float, com: Sequence[float], inertia: Sequence[Sequence[float]]
 ) -> Body:
-    """Return a body as `body_about_com` does, with its inertia tensor given about its origin."""
+    """Return a body whose inertia tensor is given about its own origin.
+
+    All else is as for `body_about_com`.
+    """
     arm = vector(com)
     return Body(mpf(mass), arm, add(_tensor(inertia), steiner(mpf(mass), arm), sign=-1))
 

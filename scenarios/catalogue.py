@@ -97,7 +97,10 @@ def _library() -> list[Path]:
 
 
 def _of_current_folder(name: str) -> Iterator[Path]:
-    """Yield the existing paths in the current folder that a name without an ending stands for."""
+    """Yield the paths in the current folder, outside the library, that a name stands for.
+
+    A name that ends in `.toml` stands for none of them, as it cannot be that of a library's scene.
+    """
     if name.endswith(".toml"):
         return
     for path in (Path(name), Path(f"{name}.toml")):
@@ -121,7 +124,7 @@ def _find_one(name: str) -> list[Path]:
     try:
         if path.exists() and not path.is_dir():
             return [path]
-        # Pages and messages name a scene in this way.
+        # Pages and messages name a scene by the stem of its file.
         if is_scene_name(name) and file.is_file():
             return [file]
     except OSError as error:  # such as a name that is too long

@@ -58,7 +58,7 @@ def validation_message(details: list[ErrorDetails], text: str, where: str) -> st
 
 
 def misfit(error: Misfit, text: str, where: str) -> str:
-    """Return the message about values of a file, each valid, that do not go together.
+    """Return the message about a value that does not fit, with its place in the file.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def _keys(detail: ErrorDetails) -> Keys:
 
 
 def _without_entries(keys: Keys) -> Keys:
-    """Return a path of keys without trailing indices into arrays, so that it ends with a key."""
+    """Return a path of keys without trailing indices, except one into an array of tables."""
     least = 2 if keys[:1] and keys[0] in _TABLE_ARRAYS else 1
     while len(keys) > least and isinstance(keys[-1], int):
         keys = keys[:-1]

@@ -46,7 +46,7 @@ class Constraint:
 
         Parameters
         ----------
-        lever_world : the lever at these attitudes, m
+        lever_world : the lever at these attitudes, m, world axes
         flown_world : position of the centre of mass in free flight, m, which is returned along axes
             that are not held
         """
@@ -58,7 +58,7 @@ class Constraint:
 
         Parameters
         ----------
-        swing_world : ω × lever in these states, m/s
+        swing_world : ω × lever in these states, m/s, world axes
         flown_world : velocity of the centre of mass in free flight, m/s, which is returned along
             axes that are not held
         """

@@ -301,7 +301,7 @@ class Document(Table):
 
 @lru_cache(maxsize=1)
 def _body(table: BodyTable) -> Body:
-    """Return the body that `[body]` describes; it is cached, as it is made for checks first."""
+    """Return the body that `[body]` describes; cached, because the file's checks make it first."""
     if table.particles is not None:
         return body_of_particles(table.particles)
     mass, matrix = table.mass, table.inertia_matrix

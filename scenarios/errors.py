@@ -14,7 +14,7 @@ class Misfit(ValueError):
 
     Attributes
     ----------
-    keys : the path of keys to the wrong value, from the table in which the error is raised
+    keys : the path of keys to the wrong value, from the table whose check raises the error
     """
 
     def __init__(self, message: str, *keys: int | str) -> None:

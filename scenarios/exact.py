@@ -35,7 +35,7 @@ def vector(values: Iterable[float]) -> Vector:
 
 
 def dot(a: Sequence[mpf], b: Sequence[mpf]) -> mpf:
-    """Return a · b, at the caller's precision."""
+    """Return a · b, in the caller's precision of mpmath."""
     return mp.fdot(a, b)
 
 
@@ -144,9 +144,9 @@ def add(a: Tensor, b: Tensor, sign: int = 1) -> Tensor:
 
 
 def turned_tensor(tensor: Tensor, q: Quaternion) -> Tensor:
-    """Return Rᵀ I R with R the matrix of a unit quaternion q: components along axes that q turns.
+    """Return Rᵀ I R, the components of a tensor I along the axes that q turns the old axes to.
 
-    The result is symmetric to the last digit.
+    R is the matrix of the unit quaternion q. The result is symmetric to the last digit.
     """
     with mp.workdps(DIGITS):
         axes = [rotate(q, axis) for axis in _AXES]

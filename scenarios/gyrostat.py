@@ -50,7 +50,7 @@ class Rotor:
 
     @cached_property
     def body(self) -> Body:
-        """The rotor by itself, in the axes and from the origin of the body it is part of."""
+        """The rotor by itself as a rigid body, in the frame of the body that carries it."""
         return Body(self.mass, self.position, self.inertia)
 
     @property
@@ -110,7 +110,7 @@ class Rotors:
 
     @cached_property
     def axial_body(self) -> FloatArray:
-        """C u of each rotor; times the rotor's spin it is the spin's part of L, kg m², (rotors, 3).
+        """C u of each rotor, kg m², (rotors, 3): its spin times this is the spin's part of L.
 
         It is zero for a locked rotor.
         """
@@ -128,7 +128,8 @@ class Rotors:
 
         Parameters
         ----------
-        omega_body, spins : ω, body axes, (n, 3), and spins, (n, rotors), in n states, rad/s
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        spins : spins s of the rotors in these states, rad/s, (n, rotors)
         """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(self.along * (spins + turned))
@@ -141,27 +142,32 @@ class Rotors:
         Parameters
         ----------
         omega_body : ω in n states, rad/s, body axes, (n, 3)
-        kept : as `Rotors.kept` returns them, kg m²/s, (n, rotors) or (rotors,)
+        kept : what `Rotors.kept` returns, kg m²/s, (n, rotors) or (rotors,)
         """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """Return the vector sum of the angular momenta `kept`, kg m²/s, body axes, (n, 3).
+        """Return the vector sum of the rotors' angular momenta, kg m²/s, body axes, (n, 3) or (3,).
 
-        The angular momentum L is I ω plus this sum, if I leaves out the axial moments of free
-        rotors.
+        The angular momentum L is I ω plus this sum, if I leaves out the axial moments of rotors on
+        free hinges.
+
+        Parameters
+        ----------
+        kept : what `Rotors.kept` returns, kg m²/s, (n, rotors) or (rotors,)
         """
         return np.asarray(kept @ self.axes_body)
 
     def cancelling(
         self, spins: FloatArray, com_body: FloatArray, far: float = 0.0
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the sizes of terms that cancel in coordinates that turn with a rotor, (n,) each.
+        """Return the sizes of forces, N, and torques, N m, that cancel each other, (n,) each.
 
-        An engine with such coordinates adds up these terms with rounding errors in proportion to
-        their sizes. The sizes are those of forces, Σ m r s², N, and torques, Σ (C + m d r) s², N m,
-        with d a rotor's distance from the com and r = d + far that from the coordinates' origin.
+        They arise in coordinates that turn with a rotor. An engine that uses such coordinates sums
+        them, with rounding errors in proportion to their sizes: Σ m r s² of the forces and
+        Σ (C + m d r) s² of the torques, with m a rotor's mass, d its distance from the com, and
+        r = d + `far` a bound on that from the coordinates' origin.
 
         Parameters
         ----------
@@ -179,7 +185,7 @@ class Rotors:
         """Return sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
         The size of a rotor's angular momentum is C |s| + C |u·ω| at the start. It is zero only if
-        the rotor does not turn about its axle then, neither in the body nor with it.
+        at the start the rotor turns about its axle neither in the body nor together with it.
 
         Parameters
         ----------
@@ -198,7 +204,8 @@ class Rotors:
 
         Parameters
         ----------
-        omega_body, spins : as for `Rotors.kept`
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        spins : spins s of the rotors in these states, rad/s, (n, rotors)
         """
         turned = omega_body @ self.axes_body.T
         return np.asarray((self.along * spins * (turned + spins / 2)).sum(axis=-1))
@@ -208,7 +215,8 @@ class Rotors:
 
         Parameters
         ----------
-        omega_body, spins : as for `Rotors.kept`
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        spins : spins s of the rotors in these states, rad/s, (n, rotors)
         """
         turned = omega_body @ self.axes_body.T * (1 - self.is_free)
         return np.asarray((self.along * spins * turned).sum(axis=-1))
@@ -251,7 +259,7 @@ def without_free_axes(inertia: Tensor, rotors: Rotors) -> Tensor:
 def kept_exact(rotor: Rotor, omega_body: Vector) -> mpf:
     """Return the angular momentum that one rotor keeps, in extended precision, kg m²/s.
 
-    It is `Rotors.kept` at t = 0, when ω is `omega_body`, rad/s.
+    It is `Rotors.kept` at t = 0, where ω is `omega_body`, rad/s, body axes.
     """
     with mp.workdps(DIGITS):
         turned = dot(rotor.axis, omega_body) if rotor.hinge == "free" else mpf(0)

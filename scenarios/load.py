@@ -22,8 +22,8 @@ from .signals import SIGNAL
 from .write import to_toml
 
 MARKER = "spincheck"
-#: Largest length of a scene's name, bytes: a file named after it has an ending and perhaps a number
-#: more, and 255 bytes at most.
+#: Largest length of a scene's name, bytes. A file's name has 255 at most, and that of a file named
+#: after the scene has an ending, and perhaps a number, besides.
 LONGEST_NAME = 200
 #: Matches an integer of more digits than Python converts.
 _MANY_DIGITS = re.compile(rf"[0-9_]{{{sys.get_int_max_str_digits()}}}")
@@ -32,7 +32,7 @@ _PARSER_LINE = re.compile(r"\(at line (\d+), column \d+\)$")
 
 
 def load(path: str | Path) -> Scenario:
-    """Read one scenario file.
+    """Return the scenario that a file describes.
 
     Raises
     ------

@@ -3,7 +3,7 @@
 import re
 from functools import lru_cache
 
-#: A path of keys and indices to a place in a file, as in what the parser returns.
+#: A path of keys and indices to a value in the tables that the parser returns.
 Keys = tuple[int | str, ...]
 
 _HEADER = re.compile(r"^\s*(\[\[?)\s*([\w.\-\s]+?)\s*\]\]?")

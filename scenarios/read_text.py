@@ -8,10 +8,10 @@ from .regular_files import read_regular
 
 #: Largest size of a file, bytes. No scenario is this long; a larger file is given by mistake.
 MAX_BYTES = 1 << 16
-#: Number of bytes within which the first key stands, since only comments come before it.
+#: Number of bytes in which the first key is looked for: only comments come before it.
 HEAD = 1 << 14
-#: Largest number of parts of a key such as a.b.c…: the parser takes time by the square of their
-#: number.
+#: Largest number of parts of a key such as a.b.c…: the time that the parser takes grows as the
+#: square of their number.
 MAX_NESTING = 64
 #: Pattern of one part of a key, and of too many parts in a row.
 _PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
@@ -24,7 +24,7 @@ def read_text(path: Path) -> str:
     Raises
     ------
     ScenarioError
-        If it cannot be read, is no regular file, is too large, or is not UTF-8.
+        If the file cannot be read, is not a regular file, is too large, or is not UTF-8.
     """
     where = printable(str(path))
     try:

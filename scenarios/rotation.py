@@ -10,7 +10,7 @@ def matrices(q_wxyz: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    q_wxyz : (n, 4)
+    q_wxyz : unit quaternions, scalar first, (n, 4)
 
     Returns
     -------
@@ -32,9 +32,9 @@ def matrices(q_wxyz: FloatArray) -> FloatArray:
 
 
 def matrix(q_wxyz: FloatArray) -> FloatArray:
-    """Return the rotation matrix of one quaternion, (4,), with the same bits as `matrices`.
+    """Return the rotation matrix, (3, 3), of one unit quaternion, scalar first, (4,).
 
-    It is (3, 3), and takes a tenth of the time of `matrices`.
+    It has the same bits as that of `matrices`, and takes a tenth of the time.
     """
     w, x, y, z = q_wxyz.tolist()
     return np.array(
@@ -57,7 +57,7 @@ def turned_back(R: FloatArray, vectors: FloatArray) -> FloatArray:
 
 
 def norms(vectors: FloatArray) -> FloatArray:
-    """Return the Euclidean norm of each row, (n,), in half the time of numpy's own function."""
+    """Return the Euclidean norms of n vectors, (n, k), in half the time of numpy's own function."""
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
@@ -118,7 +118,8 @@ def turning_of(q_wxyz: FloatArray, rates: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    q_wxyz, rates : unit quaternions, scalar first, and their derivatives, 1/s, (n, 4) each
+    q_wxyz : unit quaternions q, scalar first, (n, 4)
+    rates : their derivatives q', 1/s, (n, 4)
     """
     w, v = q_wxyz[:, :1], q_wxyz[:, 1:]
     return np.asarray(2 * (w * rates[:, 1:] - rates[:, :1] * v - cross(v, rates[:, 1:])))

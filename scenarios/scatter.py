@@ -1,6 +1,6 @@
 """Members of an ensemble: a scene with its start and its body scattered at random.
 
-The distribution, with every n a standard normal of its own:
+The distribution, in which each n is another standard normal number:
 
 - attitude: uniform on SO(3) where no direction of the world is special; where gravity or a torque
   fixed in the world acts, the scene's, turned about the body axes by the rotation vector
@@ -85,7 +85,7 @@ def _inertia(body: Body, n: FloatArray) -> list[Any]:
     n : three standard normals, by which the second moments of mass are scattered
     """
     tensor = body.inertia_com
-    # ∫ r rᵀ dm, of which the inertia is the trace times the unit matrix less itself.
+    # ∫ r rᵀ dm: the inertia is its trace times the unit matrix, less the matrix itself.
     second = np.trace(tensor) / 2 * np.eye(3) - tensor
     diagonal = not np.any(tensor - np.diag(np.diag(tensor)))
     sizes, axes = (np.diag(second), np.eye(3)) if diagonal else np.linalg.eigh(second)

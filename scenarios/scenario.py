@@ -40,7 +40,9 @@ class Scenario:
     path : the file that the scene was read from; None for a scene built in memory
     text : text of the file, as read or as it would be written
     document : the tables of the file, parsed
-    carrier, rotors, start : the body without its rotors, the rotors, and the state at t = 0
+    carrier : the body without its rotors
+    rotors : its rotors
+    start : the state at t = 0
     """
 
     name: str
@@ -117,7 +119,7 @@ class Scenario:
 
     @cached_property
     def constraint(self) -> Constraint:
-        """How the body is held."""
+        """The constraint that holds the body; that of a free body holds along no axis."""
         return _constraint(self.document, self.body)
 
     @property
@@ -133,17 +135,18 @@ class Scenario:
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
 
-        It is `Rotors.kept`, which for a hinge that is not free counts only the spin.
+        On a free hinge it is that of the spin and of the body's own turn; on others, of the spin.
 
         Parameters
         ----------
-        omega_body, spins : ω, body axes, (n, 3), and spins, (n, rotors), in n states, rad/s
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        spins : spins of the rotors in these states, relative to the body, rad/s, (n, rotors)
         """
         return self.rotors.kept(omega_body, spins)
 
     @cached_property
     def kept_at_start(self) -> FloatArray:
-        """The angular momenta of the rotors that `kept` returns, at t = 0, kg m²/s, (rotors,)."""
+        """The rotors' constant angular momenta at t = 0, as of `kept`, kg m²/s, (rotors,)."""
         return self.kept(self.start.omega_body, self.start_spins)
 
     @property
@@ -174,13 +177,14 @@ class Scenario:
         Parameters
         ----------
         omega_body : ω in n states, rad/s, body axes, (n, 3)
+        kept : the rotors' constant angular momenta, kg m²/s, (n, rotors) or (rotors,)
         """
         return self.rotors.spins(omega_body, kept)
 
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Return sizes of forces, N, and torques, N m, that cancel in axes that turn with rotors.
+        """Return sizes of forces, N, and torques, N m, that cancel each other, (n,) each.
 
-        They are (n,) each; `Rotors.cancelling` explains them.
+        They arise in coordinates that turn with the rotors: see `Rotors.cancelling`.
 
         Parameters
         ----------
@@ -198,8 +202,8 @@ class Scenario:
     def inertia_exact(self) -> exact.Tensor:
         """Inertia tensor about the pivot, or the com where there is none, kg m², body axes.
 
-        It is the tensor that multiplies ω': moments of freely turning rotors about their axes are
-        left out.
+        It is the tensor that multiplies ω': the moments of rotors on free hinges about their axles
+        are left out.
         """
         body = self.body
         tensor = body.inertia_origin_exact if self.about == "pivot" else body.inertia_com_exact
@@ -250,7 +254,7 @@ class Scenario:
 
 @lru_cache(maxsize=KEPT)
 def _rebuilt(text: str, name: str, path: Path | None) -> Scenario:
-    """Return the scene of a text; a worker that is sent the text again gets the same object."""
+    """Return the scene of a text; for the same text again, a process gets the same object."""
     return build(Document.model_validate(tomllib.loads(text)), name, text, path)
 
 
@@ -265,8 +269,7 @@ def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) 
     """Return a scene with some tables of its file, such as `window`, replaced.
 
     Its text is written anew. Published values and expectations are left out, as they hold only for
-    the unchanged scene. What a file is checked for besides single tables, such as tables that
-    exclude each other and sizes, is not checked again.
+    the unchanged scene. Checks that concern several tables, or sizes, are not repeated.
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)

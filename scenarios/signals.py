@@ -1,8 +1,8 @@
 """The signals that motions are judged by, each with its error's norm, as data.
 
-Everything that computes, bounds, stores or shows errors iterates over `SIGNALS`: another signal is
-an entry at its end, and a field at the end of `Errors` that is None by default, as it is in results
-that were stored without it.
+Everything that computes, bounds, stores or shows errors iterates over `SIGNALS`. To add a signal,
+add an entry at its end, and a field at the end of `Errors`. The default of the field must be None,
+because results stored earlier lack the signal.
 """
 
 import math
@@ -55,19 +55,20 @@ class Signal:
     Attributes
     ----------
     name : how files, options and results refer to it
-    label, quantity : how columns of reports, and how sentences, refer to it
+    label : its name in columns of reports
+    quantity : its name in sentences
     formula : formula of the error
     unit : unit of the error; empty where the error is relative
     kind : how the distance of two values is defined: for vectors and scalars as the norm of their
         difference, for quaternions as the angle of the rotation from one to the other
     values : returns the values along a motion, SI, (n, columns), or (n,) for a scalar
     base : returns the number that distances are relative to, in the signal's unit
-    depends_on : which of "omega" and "attitude" bound the signal's order of accuracy by their own
+    depends_on : those of the signals "omega" and "attitude" whose orders of accuracy limit this
+        signal's order
     exists : returns whether a scene has the signal
     in_flight : returns the relative change of the signal of a free body if each number of its state
-        changes by one ulp. Its last argument is as in `growth`. It allows for engines that
-        integrate the flight of another point than the com. None if the signal depends on the
-        rotation alone
+        changes by one ulp, given the arguments of `growth`. It allows for engines that integrate
+        the flight of another point than the com. None if the signal depends on the rotation alone
     """
 
     name: str
@@ -116,11 +117,12 @@ class Signal:
         return min(orders[name] for name in self.depends_on)
 
     def growth(self, scene: Scene, exact: Trajectory, conditioning: Errors) -> float:
-        """Return the signal's relative change if each number of the free body changes by one ulp.
+        """Return the signal's relative change if each number of the scene changes by one ulp.
 
         Parameters
         ----------
-        conditioning : the changes of all signals if only attitude, ω and the body change
+        conditioning : the changes of all signals if only attitude and ω at the start and the body
+            change
         """
         of_rotation = conditioning[self.name]
         return self.in_flight(scene, exact, conditioning) if self.in_flight else of_rotation
@@ -143,10 +145,10 @@ def _speed(scene: Scene, exact: Trajectory) -> float:
 
 
 def _moved(scene: Scene, exact: Trajectory, growth: Errors) -> tuple[float, float]:
-    """Return how much a free body's position, m, and velocity, m/s, change if its numbers do.
+    """Return how much a free body's position, m, and velocity, m/s, change for changes of an ulp.
 
-    The numbers are those of the state and the arm from the body's origin to the com, and each
-    changes by one ulp; `growth` has the changes of the rotation that result.
+    Each number of the state, and the arm from the body's origin to the com, changes by one ulp.
+    `growth` has the changes of attitude and ω that result.
     """
     arm = float(np.linalg.norm(scene.body.com))
     fast, speed = _longest(exact.velocity_world), _longest(exact.omega_body)

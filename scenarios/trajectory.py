@@ -68,7 +68,7 @@ class Trajectory:
             raise ValueError("'q_world_body_wxyz' must have unit norm.")
 
     def __reduce__(self) -> tuple[type["Trajectory"], tuple[FloatArray, ...]]:
-        """Pickle by the constructor, as NumPy's own way would give writable arrays."""
+        """Pickle by the constructor, because arrays that NumPy unpickles itself are writable."""
         return Trajectory, tuple(getattr(self, one.name) for one in fields(self))
 
     @property
@@ -94,7 +94,7 @@ class Trajectory:
         return matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
 
     def until(self, n: int) -> "Trajectory":
-        """Return the trajectory of the first n samples; the same object if it has no more."""
+        """Return the trajectory of the first n samples; itself if it has no more than n."""
         if n >= len(self.t):
             return self
         return Trajectory(**{one.name: getattr(self, one.name)[:n] for one in fields(self)})

@@ -1,6 +1,7 @@
 """Makes a new scene from the file of a given scene, with some tables changed.
 
-What only holds for the original scene is left out, and the same checks apply as to a file.
+Tables that hold only for the original scene are left out. The new scene passes the same checks as
+one that is read from a file.
 """
 
 import tomllib

@@ -48,5 +48,5 @@ def _value(value: Any) -> str:
         return f"[{', '.join(_value(entry) for entry in value)}]"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False).replace(DELETE, ESCAPED_DELETE)
-    # The shortest digits that read back as the same double are TOML, and so are whole numbers.
+    # Python's text of an integer or a double is TOML, and reads back as the same number.
     return json.dumps(value) if isinstance(value, bool) else repr(value)

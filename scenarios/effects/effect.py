@@ -77,23 +77,24 @@ class Scene(Protocol):
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
 
-        It is C (u·ω + s) on a free hinge and C s on any other, as in `gyrostat`.
+        It is C (u·ω + s) on a free hinge and C s on any other, in the symbols of `gyrostat`.
 
         Parameters
         ----------
-        omega_body, spins : ω, body axes, (n, 3), and spins, (n, rotors), in n states, rad/s
+        omega_body : ω in n states, rad/s, body axes, (n, 3)
+        spins : spins s of the rotors in these states, rad/s, (n, rotors)
         """
 
     @property
     def kept_at_start(self) -> FloatArray:
-        """The angular momenta of the rotors that `kept` returns, at t = 0, kg m²/s, (rotors,)."""
+        """The rotors' constant angular momenta at t = 0, as of `kept`, kg m²/s, (rotors,)."""
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
         """Return the vector sum of the rotors' momenta `kept`, kg m²/s, body axes, (n, 3)."""
 
     @property
     def constraint(self) -> Constraint:
-        """How the body is held."""
+        """The constraint that holds the body; that of a free body holds along no axis."""
 
     @property
     def inertia(self) -> FloatArray:
@@ -207,20 +208,20 @@ class Effect:
         or None in its place if the scene has no such table; `pushed` itself is None if `push` does
         not include the effect
     check : raises `Misfit` if the scene's start, or another effect, does not go with the table
-    sizes, rates : yield the sizes and the rates that the effect adds to those of a scene, each with
-        the keys to it in the file; `check_scales` refuses a scene in which one is too large
+    sizes, rates : yield the quantities and the rates that the effect adds to a scene, each with the
+        keys to it in the file; `check_scales` refuses a scene in which one is too large
     rate : returns the fastest rate at which the effect changes a state, 1/s; `rate_formula` is its
         formula in words
     decay : returns the fastest rate at which the effect slows the body, 1/s
     potential : returns the potential energy, J, (n,); None if the effect has none
     momentum_body, kinetic : return what rotors add to L, kg m²/s, (n, 3), and to T, J, (n,)
-    work : returns an energy of rotors, J, (n,), whose change along a motion is the work that their
-        drives have done, and by which E has grown; None for an effect without drives
+    work : returns an energy of rotors, J, (n,). Its change along a motion is the work that their
+        drives do, and the change of E that follows; None for an effect without drives
     wrong_momentum : words for an engine that counts the rotors' angular momentum wrongly, with {}
         where the factor stands
     force : returns the upward force of a constraint that cannot pull, N, (n,)
     answer : returns torque and acceleration that include the force of such a constraint
-    place_formula : formula of the place that a constraint keeps
+    place_formula : formula of the place that a constraint holds constant
     group : heading of scenes with the effect in lists of scenes; the last effect of a scene decides
     """
 
@@ -283,5 +284,5 @@ class Effect:
 
 
 def length(vector: Iterable[Any]) -> mpf:
-    """Return the Euclidean length of a vector, at the caller's precision."""
+    """Return the Euclidean length of a vector, in the caller's precision of mpmath."""
     return mp.sqrt(mp.fsum(mpf(component) ** 2 for component in vector))

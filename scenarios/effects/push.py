@@ -1,4 +1,7 @@
-"""The torques that whoever integrates a scene applies by hand; scripts contain this text as is."""
+"""Drag and constant torques, for engines to apply as external torques.
+
+Generated scripts contain the text of these functions as it stands.
+"""
 
 from typing import Any
 

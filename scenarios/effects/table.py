@@ -87,8 +87,9 @@ def normal_force(
 
     Parameters
     ----------
-    up_body, omega_body : ẑ of the world, and ω, rad/s, body axes, (n, 3) or (3,)
-    torque_body : T, N m, body axes, (n, 3) or (3,)
+    up_body : the world's vertical ẑ, body axes, (n, 3) or (3,)
+    omega_body : ω, rad/s, body axes, (n, 3) or (3,)
+    torque_body : T, all torque but that of N, including −ω × Iω, N m, body axes, (n, 3) or (3,)
     pull_world : acceleration of the com without the table, m/s², (3,)
     """
     circling = cross(omega_body, cross(omega_body, scenario.constraint.lever))
@@ -105,9 +106,10 @@ def answer(
     torque_body: FloatArray,
     pull_world: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return torque, N m, and acceleration of the com, m/s², with those of the force N added.
+    """Return torque, N m, body axes, and acceleration of the com, m/s², world axes, with the table.
 
-    The parameters are those of `normal_force`, for one state: (3,) each.
+    They are `torque_body` and `pull_world` plus the contributions of the force N, (3,) each. The
+    parameters are those of `normal_force`, for one state.
     """
     force = normal_force(scenario, up_body, omega_body, torque_body, pull_world)
     pushed_up = np.array([0.0, 0.0, force / scenario.body.mass])
@@ -121,7 +123,8 @@ def force(
 
     Parameters
     ----------
-    R_world_body, omega_body : attitude and ω, rad/s, body axes, of n states or of one
+    R_world_body : rotation matrices, body to world, (n, 3, 3) or (3, 3)
+    omega_body : ω, rad/s, body axes, (n, 3) or (3,)
     kept_body : angular momentum of the rotors, kg m²/s, body axes, (n, 3) or (3,)
     """
     omega_world = (R_world_body * omega_body[..., None, :]).sum(-1)
@@ -142,7 +145,7 @@ def check(scenario: Scene, stated: StartTable) -> None:
     Raises
     ------
     Misfit
-        If it does not, or if a pivot holds the body as well.
+        If it does not start so, or if a pivot holds the body as well.
     """
     if PIVOT in scenario.acting:
         raise Misfit("does not go with a pivot: both hold the body; remove one", *WHERE)
@@ -168,7 +171,7 @@ def check(scenario: Scene, stated: StartTable) -> None:
 
 
 def _check_stated(scenario: Scene, stated: StartTable) -> None:
-    """Raise `Misfit` if a stated position or velocity has another z than a body on the table."""
+    """Raise `Misfit` unless stated position and velocity have the z of a body on the table."""
     start, lever = scenario.start, float(np.linalg.norm(scenario.constraint.lever))
     length_scale = lever + abs(start.position_world[2])
     speed_scale = lever * float(np.linalg.norm(start.omega_body))
