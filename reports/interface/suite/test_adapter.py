@@ -47,7 +47,7 @@ RESTARTED = (*FEW, "free-falling", "pivot-drag", "free-rotors", "pivot-rotors")
     "bulletphysics/bullet3#4689",
 )
 def test_holds_the_scene_and_only_its_effects_act(engine: Engine, method: Method) -> None:
-    """Body and start are read back as in the scene; the scene's effects act, and nothing else."""
+    """Body and start read back as in the scene; its effects act, and nothing else."""
     if method.as_shipped:
         return
     for scene in able_scenes(engine, method):
@@ -63,7 +63,10 @@ def test_holds_the_scene_and_only_its_effects_act(engine: Engine, method: Method
     "ArduPilot/ardupilot#26972",
 )
 def test_begins_as_the_equations_of_motion_say(engine: Engine, method: Method) -> None:
-    """Single steps from exact states obey the scene's equations: effects, units and frames."""
+    """The first steps obey Euler's and Newton's equations of the scene: effects, units, frames.
+
+    They are single steps from states of the exact motion.
+    """
     for scene in able_scenes(engine, method):
         residuals = physics_in_words(engine, scene, method)
         require(not residuals, engine, method, scene, residuals)
@@ -76,7 +79,7 @@ def test_begins_as_the_equations_of_motion_say(engine: Engine, method: Method) -
     "sofa-framework/sofa#172",
 )
 def test_order_of_accuracy(engine: Engine, method: Method) -> None:
-    """ω and attitude converge with at least the declared orders on all scenes.
+    """ω and attitude converge on all scenes with at least the declared orders.
 
     On at least one scene, each converges with no more than its declared order. `ORDER_SLACK` is
     allowed for.
@@ -132,7 +135,7 @@ def test_many_steps_at_once_equal_single_steps(engine: Engine, method: Method) -
 
 @failure_means("Reading a state writes to it.")
 def test_reading_does_not_disturb(engine: Engine, method: Method) -> None:
-    """Reading and checking a session between steps does not change its motion."""
+    """Reading and checking between steps changes nothing."""
     for scene in able_scenes(engine, method, FEW):
         with (
             engine.open(scene, method, TIMESTEP) as watched,
@@ -151,7 +154,7 @@ def test_reading_does_not_disturb(engine: Engine, method: Method) -> None:
 
 @failure_means("Two worlds share state, or what is read is a view of what is written.")
 def test_shares_no_memory_between_sessions(engine: Engine, method: Method) -> None:
-    """Two sessions stepped in turn move as each would alone; states read before do not change."""
+    """Sessions stepped in turn move as each would alone; states that were read do not change."""
     scenes = list(able_scenes(engine, method))
     chosen = [scenes[0], scenes[len(scenes) // 2], scenes[-1]]
     for one, other in pairwise([*chosen, chosen[0]]):
@@ -179,7 +182,10 @@ def test_shares_no_memory_between_sessions(engine: Engine, method: Method) -> No
 
 @failure_means("States that are recorded are of another time than those that are read.")
 def test_records_what_it_reads(engine: Engine, method: Method) -> None:
-    """States from the snapshots of a run equal, to rounding, those that are read one by one."""
+    """The snapshots of a run equal the states that are read one by one.
+
+    They may differ by rounding.
+    """
     for scene in able_scenes(engine, method, FEW):
         snapshots: list[object] = []
         with (
@@ -200,7 +206,7 @@ def test_records_what_it_reads(engine: Engine, method: Method) -> None:
 
 @failure_means("A reset leaves something behind: a clock, a warm start, a cached tensor.")
 def test_restarts_as_it_opens(engine: Engine, method: Method) -> None:
-    """A session restarted after a run steps like a session that is opened at the same state.
+    """After a run, a restarted session steps like a session that is opened at the same state.
 
     The session is restarted from the scene's start and from another state, and at another timestep
     than before. A second restart from the same state gives the same motion, to the last bit.
@@ -229,7 +235,7 @@ def test_restarts_as_it_opens(engine: Engine, method: Method) -> None:
 
 @failure_means("The switch that selects the integrator has no effect.")
 def test_differs_from_every_other_method(engine: Engine, method: Method) -> None:
-    """A method's motion differs from that of each other method on at least one scene.
+    """A method's motion differs from that of each other method on some scene.
 
     Methods as shipped are left out, as their steps may be those of a clean method.
     """

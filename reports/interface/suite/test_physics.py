@@ -47,7 +47,7 @@ def test_flip_about_the_middle_axis(spincheck_subject: Any) -> None:
     "DanielChappuis/reactphysics3d#422",
 )
 def test_off_diagonal_inertia(spincheck_subject: Any) -> None:
-    """A body moves by its whole inertia tensor, given in axes that are not its principal axes."""
+    """A body moves by its whole tensor of inertia, in axes that are not its principal ones."""
     spincheck_subject.follows("off-diagonal-inertia")
 
 
@@ -90,7 +90,7 @@ def test_attitude_follows_omega(spincheck_subject: Any) -> None:
     "mockingbirdnest/Principia#4166",
 )
 def test_no_hidden_damping(spincheck_subject: Any) -> None:
-    """A free sphere keeps its angular velocity for ten seconds."""
+    """A free sphere keeps its ω for ten seconds."""
     spincheck_subject.follows("sphere")
 
 
@@ -101,7 +101,7 @@ def test_no_hidden_damping(spincheck_subject: Any) -> None:
     "godotengine/godot#120724",
 )
 def test_no_velocity_clamp(spincheck_subject: Any) -> None:
-    """A free sphere keeps an angular velocity of 500 rad/s."""
+    """A free sphere keeps 500 rad/s."""
     spincheck_subject.follows("fast-sphere")
 
 
@@ -109,7 +109,7 @@ def test_no_velocity_clamp(spincheck_subject: Any) -> None:
     "A body that turns slowly is put to sleep, or friction has a floor.", "mas-bandwidth/fixed3d#41"
 )
 def test_slow_rotation_goes_on(spincheck_subject: Any) -> None:
-    """A free sphere keeps an angular velocity of one degree a second for twenty seconds."""
+    """A free sphere keeps a degree a second for twenty seconds."""
     spincheck_subject.follows("slow-sphere")
 
 
@@ -119,7 +119,7 @@ def test_slow_rotation_goes_on(spincheck_subject: Any) -> None:
     "mas-bandwidth/fixed3d#41",
 )
 def test_drag_is_a_torque(spincheck_subject: Any) -> None:
-    """The torque −c ω slows a sphere at the rate c/I, to less than a thousandth of its ω."""
+    """The torque −c ω slows a sphere at the rate c/I, to a thousandth and further."""
     spincheck_subject.follows("slowing-sphere")
 
 
@@ -165,7 +165,7 @@ def test_offset_com(spincheck_subject: Any) -> None:
     "AVSLab/basilisk#1484",
 )
 def test_frictionless_pivot(spincheck_subject: Any) -> None:
-    """A body on a ball joint, without gravity, keeps its angular velocity for ten seconds."""
+    """A body on a ball joint, without gravity, keeps its ω for ten seconds."""
     spincheck_subject.follows("pivot")
 
 
@@ -184,5 +184,5 @@ def test_heavy_top(spincheck_subject: Any) -> None:
     "google-deepmind/mujoco#989",
 )
 def test_small_body(spincheck_subject: Any) -> None:
-    """A top of a tenth of a gram moves like a larger one, only faster."""
+    """A top of a tenth of a gram moves as a larger one, only faster."""
     spincheck_subject.follows("small-top")
