@@ -44,9 +44,9 @@ def say_if_compiling() -> None:
 
 
 def compile_first() -> None:
-    """Compile the solver of exact motions if necessary; print that first.
+    """Compile the solver of exact motions if necessary, after a message that says so.
 
-    It is for commands that solve motions in this process.
+    Commands that solve motions in this process call it first.
     """
     from ..harness.executors import compiling
 
@@ -102,7 +102,7 @@ def choose(
     Raises
     ------
     Complaint
-        If there is no engine or method of that name, if an engine cannot be used or none is
+        If there is no engine or method of some name, if an engine cannot be used or none is
         installed, or if a number is out of range.
     """
     if time_limit is not None and not 0 < time_limit <= MOST_TIME:
@@ -152,9 +152,9 @@ def _engines(
 ) -> Sequence[Engine]:
     """Return the engines that a value of '--engine' names: several for 'all' or a family, else one.
 
-    'all' means the engines that apply to any of the scenes; a family, such as 'node', means those
-    of its engines that do. Case matters only in 'MODULE:CLASS', 'child:COMMAND' and
-    'ENGINE@VERSION'.
+    'all' means all engines that apply to any of the scenes. A family, such as 'node', means those
+    of its engines that apply to any of them. Case matters only in 'MODULE:CLASS', 'child:COMMAND'
+    and 'ENGINE@VERSION'.
 
     Parameters
     ----------

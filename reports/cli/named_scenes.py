@@ -43,8 +43,8 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
     Raises
     ------
     Complaint
-        If no scene has a name, a file is no valid scene, or an expectation names an engine or
-        method that does not exist.
+        If there is no scene of some name, if a file is no valid scene, or if an expectation names
+        an engine or method that does not exist.
     """
     scenarios, wrong = load_each(_files(names))
     complain(wrong)
@@ -139,7 +139,7 @@ def _in_short(scenario: Scenario) -> str:
 
 
 def _check_motion(scenario: Scenario, result: Checked) -> bool:
-    """Check a scene's published values and the power of its effects; return if the values hold.
+    """Check a scene's published values and effects; return whether all published values hold.
 
     Sentences on what is wrong are added to `result`. False is returned, too, if the motion cannot
     be solved.

@@ -14,7 +14,7 @@ CORES = os.cpu_count() or 1
 
 
 def _seconds(text: str) -> float:
-    """Return a number of seconds, given as text; raise `typer.BadParameter` for any other text."""
+    """Return the number of seconds in a text; raise `typer.BadParameter` if it is no number."""
     try:
         return float(text)
     except ValueError:

@@ -94,7 +94,7 @@ def pytest_runtestloop(session: pytest.Session) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Print how many methods on how many scenes agree, fail, or could not be judged."""
+    """Print how many of the scenes' test items agree, fail, or were not judged."""
     if line := summary(terminalreporter.stats):
         terminalreporter.write_line(line)
 

@@ -147,7 +147,10 @@ def _beside(columns: Sequence[object]) -> int:
 
 
 def _least_width(text: str) -> int:
-    """Return the least width, characters, of a cell: names, not numbers, may be cut to `NAME`."""
+    """Return the least width of a cell, characters.
+
+    Numbers are kept whole; other words may be wrapped after `NAME` characters.
+    """
     words = text.split()
     return max((len(w) if _is_number(w) else min(len(w), NAME) for w in words), default=0)
 

@@ -234,7 +234,7 @@ def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
 def results(path: "str | Path") -> "StoredResults":
     """Return the runs and verdicts of a result file, as lists of records.
 
-    Runs on the members of ensembles are left out.
+    Runs in which something is varied, such as those on the members of ensembles, are left out.
 
     Raises
     ------

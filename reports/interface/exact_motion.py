@@ -55,7 +55,7 @@ class ExactStates:
 
 @final
 class ExactMotion:
-    """The exact motion of one scene."""
+    """The exact motion of one scene; `at` returns its states, `sensitivity` their derivatives."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario, self._solver = scenario, Solver(scenario)

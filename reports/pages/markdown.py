@@ -71,7 +71,10 @@ class _Element:
         return [one for one in self.inside if isinstance(one, _Element) and not one.is_drawn]
 
     def all(self, *tags: str) -> Iterator["_Element"]:
-        """Yield the elements inside with one of some tags, in order; nested ones are left out."""
+        """Yield the elements inside that have one of the tags, in order.
+
+        Elements inside such an element are left out.
+        """
         for one in self.elements:
             if one.tag in tags:
                 yield one

@@ -125,7 +125,7 @@ class PageData:
 
 
 def _trimmed(texts: list[str]) -> list[str]:
-    """Remove empty texts at the end of a list, but not the first, in place; return the list."""
+    """Remove empty texts at the end of a list, in place, and return it; its first text is kept."""
     while len(texts) > 1 and not texts[-1]:
         texts.pop()
     return texts

@@ -53,7 +53,7 @@ def batches(
     Parameters
     ----------
     scenes : files, folders or names of library scenes, at least one
-    engine_names : names of engines; the default ones if empty
+    engine_names : names of engines; if empty, all that are not optional
     methods : names of methods; if empty, all but those as shipped
     timesteps : s; if empty, the stock timestep of each engine
     worlds : numbers of worlds in a batch
@@ -67,7 +67,8 @@ def batches(
     Raises
     ------
     Complaint
-        If a name or number cannot be used, an engine steps no batches, or it has no such device.
+        If a name or number cannot be used, if an engine cannot step batches, or if it lacks the
+        device.
     """
     if not scenes:
         raise Complaint("'--worlds' needs a scene, such as fast-top")
@@ -152,7 +153,10 @@ def _line(row: BatchRow) -> dict[str, object]:
 
 
 def _words(apart: Apart | None) -> str:
-    """Return, in words, how far two motions of a world are apart; None if they agree to the bit."""
+    """Return, in words, how far two motions of a world are apart.
+
+    `apart` is None if they agree to the last bit.
+    """
     if not apart:
         return "same bits"
     return f"{apart.ulp:.2g} ulp, {apart.degrees:.1g}°" if isfinite(apart.ulp) else "not finite"

@@ -174,7 +174,7 @@ def choose_for_ensemble(
     Raises
     ------
     Complaint
-        If there are several timesteps, if there is no engine or method of a name, if an engine
+        If there are several timesteps, if there is no engine or method of some name, if an engine
         cannot be used, or if a number is out of range.
     """
     if len(timesteps) > 1:

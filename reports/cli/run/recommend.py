@@ -86,7 +86,10 @@ class Recommendation:
 
     @property
     def of_other_engines(self) -> list[Candidate]:
-        """The cheapest candidate within the bounds of each engine other than that of `best`."""
+        """The cheapest candidate of each engine other than that of `best`.
+
+        Engines that cannot reach the bounds are left out.
+        """
         first: dict[str, Candidate] = {}
         for candidate in self.candidates if self.best else ():
             if candidate.timestep is not None:
@@ -140,7 +143,7 @@ def recommend(
 
 
 def within(row: Row, bounds: ErrorBounds) -> bool:
-    """Return whether a run has errors and each is at most its bound; an unknown error is not.
+    """Return whether the errors of a run are known and within all bounds.
 
     Parameters
     ----------
@@ -292,7 +295,9 @@ def _setup(scene: SceneRuns, best: Candidate) -> str:
 
 
 def _too_long(best: Candidate, duration: float) -> str:
-    """Return the message that a candidate's run would take longer than `TIME_LIMIT`, or "".
+    """Return why a candidate's run is too long for a check; empty if it is not.
+
+    It is too long if it would take more than `TIME_LIMIT`.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ def run(
     scenes : files, folders or names of library scenes; if empty, the library, in which hard scenes
         have short ladders, or are left out if the run is quick
     engine_names : names of engines; if empty, all that are not optional
-    methods : names of methods; all if empty
+    methods : names of methods; if empty, all that the engines offer for a scene
     timesteps : s; ladders of halved timesteps if empty
     jobs : number of worker processes
     out : the result file; what it holds already is not run again

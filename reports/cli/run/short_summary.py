@@ -115,8 +115,8 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 def _best(report: ReportData) -> Iterator[str]:
     """Yield lines with the best choice for each scene, its error and its cost.
 
-    If more than `SCENES_PRINTED` scenes have a best choice, the lines instead name the methods that
-    most often are it.
+    If there are best choices for more than `SCENES_PRINTED` scenes, the lines name the methods that
+    are the best choice most often, instead.
     """
     choices = {scene.name: best_choice(scene) for scene in report.scenes}
     best = {name: choice for name, choice in choices.items() if choice is not None}
@@ -136,7 +136,7 @@ def _best(report: ReportData) -> Iterator[str]:
 
 
 def _finest(report: ReportData) -> Iterator[str]:
-    """Yield lines on methods whose errors grow at short timesteps by rounding, or with a bias."""
+    """Yield lines on methods whose errors rounding makes grow, or whose rounding is biased."""
     for sentence in finest_in_words(list(finest_timesteps(report).values())):
         yield from textwrap.wrap(f"{sentence}.", WIDTH, max_lines=REASON_LINES, placeholder=" …")
 

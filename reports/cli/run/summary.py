@@ -30,8 +30,8 @@ VARIED = 24
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
     """Yield a heading for each method on each scene, and below it a line for each run.
 
-    The line of a run begins with its timestep, and a star before it if that is a stock timestep.
-    The line of a run on an ensemble's member begins with what is varied: seed and member.
+    The line of a run begins with its timestep, and a star before it if that is a stock timestep. If
+    something is varied in the run, such as the member of an ensemble, the line begins with that.
 
     Parameters
     ----------

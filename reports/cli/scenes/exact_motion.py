@@ -115,9 +115,9 @@ QUARTERS = 5
 def describe(
     scenario: Scenario, at: Sequence[float], sensitivities: bool = False
 ) -> dict[str, Any]:
-    """Return the exact motion of a scene for JSON: states, uncertainty, drifts and known facts.
+    """Return the exact motion of a scene, in SI units, as a dictionary for JSON.
 
-    All is in SI units.
+    It has states, their uncertainty and conditioning, drifts, and numbers derived from the scene.
 
     Parameters
     ----------
@@ -175,10 +175,10 @@ def describe(
 
 
 def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
-    """Return attitudes, (n, 4), with tilts near 0 or π set to exactly 0 or π.
+    """Return attitudes, (n, 4), in which a tilt near 0 or π is set to exactly 0 or π.
 
-    Tilts are near if they differ by the uncertainty at most. Their Euler angles α and γ would
-    otherwise consist of rounding errors.
+    It is near if it differs from 0 or π by the uncertainty at most. The Euler angles α and γ of
+    such an attitude would otherwise consist of rounding errors.
 
     Parameters
     ----------

@@ -64,7 +64,7 @@ class Subject(ABC):
 
     @abstractmethod
     def _verdict(self, name: str) -> Verdict:
-        """Return the verdict on the subject on one of the suite's scenes, by the scene's name."""
+        """Return the verdict on the subject for one of the suite's scenes, by the scene's name."""
 
 
 @final
@@ -81,7 +81,7 @@ class EngineSubject(Subject):
         self._verdicts: dict[str, Verdict] = {}
 
     def _verdict(self, name: str) -> Verdict:
-        """Return the verdict on the method on a scene; it is run only at the scene's first call."""
+        """Return the verdict on a scene; only the first call for a scene runs the method."""
         if name not in self._verdicts:
             scenario, prepared = _scene(name), _prepared(name)
             study = convergence_study_of(scenario, self.engine, self.method, prepared)
@@ -273,7 +273,7 @@ class SuiteHooks:
     ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
         """Add to the report of a failure what it means, and issues that the test would have caught.
 
-        The hook wraps pytest's own, and returns the report of that.
+        The hook wraps pytest's own hook, and returns its report.
         """
         report = yield
         if _is_of_suite(item) and report.failed:

@@ -164,7 +164,7 @@ class BestChoice:
 
     @property
     def timestep(self) -> float:
-        """The run's timestep, s, rounded down to two digits unless it is a stock timestep."""
+        """The run's timestep, s, as users type it: `to_type` rounds it unless it is a stock one."""
         timestep = self.row.timestep
         return timestep if self.row.stock else to_type(timestep, self.finest_useful)
 

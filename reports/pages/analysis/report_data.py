@@ -35,7 +35,7 @@ class MethodRuns(OfMethod):
 
     Attributes
     ----------
-    rows : runs, coarse to fine, without those on the members of ensembles
+    rows : the runs in which nothing is varied, such as the member of an ensemble, coarse to fine
     verdict : the verdict; None if the study was stopped before there was one
     declared : what the adapter declared about the method when it ran; None if the file lacks it
     style : how the method's curves are drawn

@@ -51,7 +51,8 @@ class Curve(OfMethod):
     ----------
     signal : name of the signal
     points : every run that ended `ok`, coarse to fine
-    stable : the runs of the ladder that ended `ok` and whose finer runs all did, coarse to fine
+    stable : the runs of the ladder that ended `ok` and for which all finer runs did, too, coarse to
+        fine
     seconds_per_step : CPU time of a step, s; None if it was not timed
     uncertainty : uncertainty of the reference in this signal
     rounding : error that a change of the start by one ulp of the engine's precision may cause
@@ -98,8 +99,8 @@ class Curve(OfMethod):
         """The slope of log error against log timestep, fitted to the finest usable runs.
 
         A run is usable if its error is in the asymptotic range, and above round-off and the
-        reference's uncertainty. If there are too few such runs, it is `order`, from the verdict,
-        which may be None.
+        reference's uncertainty. If there are too few such runs, the order is that of the verdict,
+        `order`, which may be None.
         """
         timesteps = np.array([point.timestep for point in self.stable])
         errors = np.array([point.error for point in self.stable])

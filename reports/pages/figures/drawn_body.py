@@ -117,7 +117,7 @@ def _up(solved: SceneResult) -> tuple[FloatArray, str]:
 def _half_sides(mass: float, moments: FloatArray, shape: float) -> FloatArray:
     """Return the half sides of the solid, m, (3,): h₁² = (shape / 2 m) (I₂ + I₃ − I₁).
 
-    None is less than `LEAST_THICKNESS` times the largest.
+    A smaller half side is raised to `LEAST_THICKNESS` times the largest.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ def _is_shown(curve: GainCurve) -> bool:
 
 
 def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
-    """Return the figure of a quantity, with the gains of all methods that exceed noise."""
+    """Return the figure of a quantity, with the gains of the methods that gain more than noise."""
     shown = [(runs, curve) for runs, curve in _curves(scene, quantity) if _is_shown(curve)]
     examined = sum(bool(runs.evidence and runs.evidence.steps) for runs in scene.methods)
     is_few = len(shown) < min(FEW, examined)

@@ -130,8 +130,8 @@ def _by_each_default(gathered: ReportData, one: Usual) -> str:
 def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[str]) -> str:
     """Return, in words, what acted though scenes do not call for it, and on how many scenes.
 
-    Only scenes on which the method disagrees are counted, and what acted on more than `COMMON` of
-    them. Names are those by which the engine reports what acts.
+    Only scenes on which the method disagrees are counted. What acted on no more than the fraction
+    `COMMON` of them is left out. Names are those by which the engine reports what acts.
 
     Parameters
     ----------

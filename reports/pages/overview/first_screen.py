@@ -44,7 +44,7 @@ COST = (
 
 
 def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[str, Any] | None:
-    """Return the contents of the first screen, from plain scenes alone, by name.
+    """Return the contents of the first screen, made from the plain scenes alone, as a dictionary.
 
     `lead` says how large the errors of defaults are, and the errors of the methods that are
     recommended instead. `table` has a column for each of these methods. `about` says what the
@@ -124,7 +124,10 @@ def _lead(shipped: Sequence[Usual], instead: Sequence[Usual]) -> str:
 
 
 def _median(one: Usual) -> str:
-    """Return a method's median attitude error in words, or on how many scenes runs were lost."""
+    """Return a method's median attitude error in words.
+
+    If it is infinite, the words say on how many scenes the method's run has no errors.
+    """
     if one.middle < math.inf:
         return _degrees(one.middle)
     return f"lost on {one.unfinished} of {plural(one.scenes, 'scene')}"

@@ -89,7 +89,7 @@ def _first(scene: SceneRuns) -> int:
 
 
 def noticeable_from(run: Compared) -> float | None:
-    """Return the time, s, at which a run's attitude error first exceeds `NOTICEABLE`, or None."""
+    """Return when, s, a run's attitude error first exceeds `NOTICEABLE`; None if it never does."""
     beyond = np.flatnonzero(run.series["attitude"] > NOTICEABLE)
     return float(run.motion.t[beyond[0]]) if len(beyond) else None
 
