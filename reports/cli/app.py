@@ -64,7 +64,7 @@ app.add_typer(model_commands)
 
 
 def _print_version(wanted: bool) -> None:
-    """Print the version and exit if the option was given."""
+    """Print the version and exit if the option `--version` was given."""
     if wanted:
         print(f"spincheck {version('spincheck')}")
         raise typer.Exit
@@ -103,9 +103,9 @@ def main() -> None:
 
 
 def _run_and_flush() -> None:
-    """Run the command line; errors that `refusal` knows become a `Complaint`.
+    """Run the command line; turn an error that is no fault of the program into a `Complaint`.
 
-    These are errors of the system and clashes of engines' names.
+    `refusal` tells which errors these are.
     """
     try:
         try:

@@ -20,13 +20,14 @@ from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 
 @contextmanager
 def executor_for(jobs: int, choice: Choice) -> Iterator[Executor]:
-    """Yield an executor whose worker processes run the choice; they end with the block.
+    """Yield an executor with worker processes, which end with the block.
 
-    It raises a `Complaint` if there is no temporary folder.
+    A `Complaint` is raised if there is no temporary folder.
 
     Parameters
     ----------
     jobs : number of worker processes
+    choice : what the workers will run; its time limit holds for each run
     """
     check_temporary_folder()
     with LocalWorkers(jobs, choice.time_limit) as executor:
@@ -34,7 +35,7 @@ def executor_for(jobs: int, choice: Choice) -> Iterator[Executor]:
 
 
 def say_if_compiling() -> None:
-    """Say that the solver of exact motions is about to be compiled, if it is not compiled yet."""
+    """Print that the solver of exact motions is about to be compiled, if it is not yet compiled."""
     from ...reference.compiled import is_compiled
     from ..harness.executors.compiling import notice
 
@@ -43,7 +44,10 @@ def say_if_compiling() -> None:
 
 
 def compile_first() -> None:
-    """Compile the solver of exact motions, for a command that solves them in this process."""
+    """Compile the solver of exact motions if necessary, after a message that says so.
+
+    Commands that solve motions in this process call it first.
+    """
     from ..harness.executors import compiling
 
     compiling.compile_first(say)
@@ -57,13 +61,14 @@ def check_temporary_folder() -> None:
         raise Complaint(f"{error.strerror}; 'TMPDIR' names another", NOT_RUN) from None
 
 
-#: Prefix of the name of an engine that is a command: docs/reference/engine-protocol.md.
+#: Prefix that marks the value of '--engine' as the command that starts an engine in a process of
+#: its own: docs/reference/engine-protocol.md.
 CHILD = "child:"
 #: Pattern of MODULE:NAME, which names a class or an object in a Python module.
 _OBJECT = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
 #: Name for every engine that is installed, optional ones too.
 ALL = "all"
-#: Largest time limit, s; a system's clocks wait for no more than 2³¹ ms at once.
+#: Largest time limit, s. It is below 2³¹ ms, the longest that operating systems can wait at once.
 MOST_TIME = 1e6
 
 
@@ -76,17 +81,18 @@ def choose(
     python: str = "",
     time_limit: float | None = None,
 ) -> Choice:
-    """Return the engines, methods and timesteps that a user named.
+    """Return the choice of the engines, methods and timesteps that a user named.
 
-    If no engine is named, all that apply to any of the scenes are chosen, except optional ones. A
-    choice without methods stands for all methods that engines offer for a scene, and one without
-    timesteps leaves these to the command. Engines that the user gives as a version, a class or a
-    command are added to the list of engines.
+    An engine that the user gives as a version, a class or a command is added to the list of
+    engines.
 
     Parameters
     ----------
-    engine_names, methods : names as typed; those of methods in upper or lower case
-    timesteps : s
+    engine_names : names as typed; if empty, all engines that apply to any of the scenes are chosen,
+        except optional ones
+    methods : names in upper or lower case; if empty, the choice stands for all methods that the
+        engines offer for a scene
+    timesteps : s; if empty, the command decides on timesteps
     scenarios : scenes to be run; engines that load users' model files are left out if no scene
         names such a file
     python : the command of the interpreter that other versions of engines run under; the
@@ -96,8 +102,8 @@ def choose(
     Raises
     ------
     Complaint
-        If a name is that of no engine or method, an engine cannot be used or none is installed, or
-        a number is out of range.
+        If there is no engine or method of some name, if an engine cannot be used or none is
+        installed, or if a number is out of range.
     """
     if time_limit is not None and not 0 < time_limit <= MOST_TIME:
         raise Complaint(
@@ -144,22 +150,24 @@ def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
 def _engines(
     name: str, python: str, time_limit: float | None, scenarios: Sequence[Scenario]
 ) -> Sequence[Engine]:
-    """Return the engines that a value of '--engine' names, one unless it is 'all' or a family.
+    """Return the engines that a value of '--engine' names: several for 'all' or a family, else one.
 
-    'all' and a family, such as 'node', mean those of their engines that apply to any of the scenes.
-    Upper and lower case differ only in 'MODULE:CLASS', 'child:COMMAND' and 'ENGINE@VERSION'.
+    'all' means all engines that apply to any of the scenes. A family, such as 'node', means those
+    of its engines that apply to any of them. Case matters only in 'MODULE:CLASS', 'child:COMMAND'
+    and 'ENGINE@VERSION'.
 
     Parameters
     ----------
     name : the value
-    python : the command of the interpreter that another version runs under; this one if empty
-    time_limit : CPU time that an answer of a child may take, s; `ANSWER_LIMIT` if it is None or
-        longer than that
+    python : the command of the interpreter that another version of an engine runs under; the
+        interpreter of this process if empty
+    time_limit : CPU time that an engine started by a command may take to answer, s; at most
+        `ANSWER_LIMIT`, which is also the default if None
 
     Raises
     ------
     Complaint
-        If it names no engine, or one that cannot be used.
+        If the value names no engine, or one that cannot be used.
     """
     if name.startswith(CHILD):
         return [_child(name.removeprefix(CHILD), time_limit)]
@@ -190,11 +198,12 @@ def _engines(
 def _at_version(name: str, python: str) -> Engine:
     """Return the engine of a name such as mujoco@3.1.6, and add it to the list of engines.
 
-    It raises a `Complaint` if that version cannot be installed.
+    A `Complaint` is raised if that version cannot be installed.
 
     Parameters
     ----------
-    python : the command of the interpreter that it runs under; that of this process if empty
+    python : the command of the interpreter that this version runs under; the interpreter of this
+        process if empty
     """
     from ...engines.versions import VersionError, versioned
 
@@ -209,13 +218,13 @@ def _at_version(name: str, python: str) -> Engine:
 def _child(command: str, time_limit: float | None) -> Engine:
     """Return the engine that a command starts, and add it to the list of engines.
 
-    It is listed under the name that it reports itself. An engine of the same command that is listed
-    already is returned as it is. A `Complaint` is raised if the command starts no engine.
+    The list has it under the name that the program reports. If the list has an engine of the same
+    command already, that one is returned. A `Complaint` is raised if the command starts no engine.
 
     Parameters
     ----------
-    time_limit : CPU time that an answer may take, s; `ANSWER_LIMIT` if it is None or longer than
-        that
+    time_limit : CPU time that the program may take to answer, s; at most `ANSWER_LIMIT`, which is
+        also the default if None
     """
     from ...engines import EngineError
     from ...engines.child import ANSWER_LIMIT, ChildEngine, child_engine
@@ -232,7 +241,7 @@ def _child(command: str, time_limit: float | None) -> Engine:
     except ValueError as error:
         raise Complaint(f"{before}{error}") from None
     except EngineError as error:
-        # What the program states of itself wrongly counts as bad input, as of an adapter in Python.
+        # A program that breaks the protocol counts as bad input, like a wrong adapter in Python.
         code = BAD_INPUT if error.cause == "protocol" else NOT_RUN
         raise Complaint(f"{before}{error}", code) from None
 
@@ -240,14 +249,14 @@ def _child(command: str, time_limit: float | None) -> Engine:
 def _of_module(name: str) -> Engine:
     """Return the engine that MODULE:NAME names, and add it to the list of engines.
 
-    NAME is a class or an object. The module may be in the current folder, which is appended to
-    `sys.path`, so that it hides no other module.
+    NAME is a subclass of `Engine` or an object of one. The module may be in the current folder.
+    That folder is put at the end of `sys.path`, so that its modules hide no others.
 
     Raises
     ------
     Complaint
-        If there is no such name, it is no engine, the engine is for another version of the
-        interface or declares something wrong, or another engine has its name.
+        If nothing has this name or it is no engine, if the engine is written for another version of
+        the interface or declares something wrong, or if another engine has the same name.
     """
     if (here := str(Path.cwd())) not in sys.path:
         sys.path.append(here)

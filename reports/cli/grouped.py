@@ -1,7 +1,7 @@
-"""Classes of commands.
+"""Classes of typer commands and groups, for what typer itself does not offer.
 
-Commands are listed in groups; some have an option for each signal, or an option whose number may
-be left out.
+They list commands in groups, give a command an option for each signal, and let the number behind
+an option be left out.
 """
 
 import math
@@ -29,7 +29,7 @@ _OTHERS = "Others"
 
 
 class GroupedCommands(TyperGroup):
-    """The group of all commands; its help lists them by `GROUPS`, those of no group at the end."""
+    """The group of all commands; its help lists them by `GROUPS`, and others at the end."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section of the help for each group of commands."""
@@ -69,12 +69,12 @@ ANGLES = {"deg": math.pi / 180, "°": math.pi / 180, "rad": 1.0}
 
 
 class EnsembleCommand(TyperCommand):
-    """A command whose option `--ensemble` may lack its number, which is then `MEMBERS`."""
+    """A command with the option `--ensemble`, whose number is `MEMBERS` if left out."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Parse the arguments, with `MEMBERS` put after an `--ensemble` that no number follows.
+        """Parse the arguments after adding `MEMBERS` behind an `--ensemble` without a number.
 
-        A number after the option is always taken for the number of members, never for a scene.
+        A number behind the option is always taken for the number of members, never for a scene.
         """
         if _ENSEMBLE in args:
             after = args.index(_ENSEMBLE) + 1
@@ -85,9 +85,9 @@ class EnsembleCommand(TyperCommand):
 
 
 class ErrorBoundsCommand(TyperCommand):
-    """A command with an option for each signal's error bound.
+    """A command with one option for each signal: the bound on the error in that signal.
 
-    `error_bounds` returns the bounds that were given.
+    The function `error_bounds` returns the bounds that a user gave.
     """
 
     def get_params(self, ctx: Any) -> Any:
@@ -143,7 +143,7 @@ def _bound(signal: "Signal") -> Any:
 
 
 def number(text: str) -> float:
-    """Return the number in the text of an option; raise `typer.BadParameter` if it is none."""
+    """Return the number in the text of an option; raise `typer.BadParameter` if there is none."""
     try:
         return float(text)
     except ValueError:
@@ -165,6 +165,6 @@ def angle(text: str) -> float:
 def _keep(
     context: typer.Context, parameter: typer.CallbackParam, bound: float | None
 ) -> float | None:
-    """Store a bound that was given, where `error_bounds` finds it; return the bound."""
+    """Store the value of a bound's option where `error_bounds` finds it, and return the value."""
     context.meta[f"{__name__}.{parameter.name}"] = bound
     return bound

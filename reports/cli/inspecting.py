@@ -41,7 +41,7 @@ MOST_LINES = 20
 def models(
     files: Sequence[Path], packages: tuple[tuple[str, Path], ...]
 ) -> tuple[list[ModelFile], list[str]]:
-    """Return the models of the files that can be read, and a complaint about each other file.
+    """Return the models of the files that can be read, and a message about each other file.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def models(
 
 
 def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
-    """Yield the inspection of each model; engines read the models in a worker process.
+    """Yield the inspection of each model, which engines read in a worker process.
 
     Parameters
     ----------
@@ -79,9 +79,9 @@ def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator
 
 
 def print_inspection(inspection: Inspection) -> None:
-    """Print, as a table, what a file states of each link and what engines hold of it.
+    """Print a table with the inertia of each link as the file states it and as engines hold it.
 
-    Below the table are the differences, worst first, faults of the file, and remedies.
+    Below the table are the differences, the worst first, faults of the file, and remedies.
     """
     model = inspection.model
     stated = (
@@ -116,13 +116,14 @@ def write_mended(
 
     Parameters
     ----------
+    inspection : the inspection of the original file
     out : path of the copy, at which there must be no file
     wishes : which optional changes are made
-    engines : names of the engines that read the copy
+    engines : names of the engines that read the copy; all that can if empty
 
     Returns
     -------
-    What was changed and what was left, and the inspection of the copy.
+    The mended file, with what was changed and what was left as it was; the inspection of the copy.
 
     Raises
     ------
@@ -139,9 +140,9 @@ def write_mended(
 
 
 def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
-    """Print what was changed in a model's file, what was left, and how engines hold either file.
+    """Print what was changed in a model's file, what was left as it was, and what that achieved.
 
-    A table has, for each engine, the number of links that it holds wrongly, before and after.
+    A table has, for each engine, the number of links that it holds wrongly before and after.
 
     Parameters
     ----------
@@ -164,9 +165,9 @@ def print_mended(one: Mended, before: Inspection, after: Inspection) -> None:
 
 
 def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | str:
-    """Return the number of links that an engine holds wrongly, or "refused".
+    """Return the number of links that an engine holds wrongly; "refused" if it refused the file.
 
-    `column` has the names of the engine and of the configuration with which it read the file.
+    `column` has the names of the engine and of the configuration in which it read the file.
     """
     if column in inspection.refusals:
         return "refused"
@@ -174,7 +175,7 @@ def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | st
 
 
 def _row(link: InspectedLink) -> dict[str, object]:
-    """Return a link's row in the table; headings are broken into lines as narrow as cells."""
+    """Return a link's row in the table; headings have line breaks, to be as narrow as numbers."""
     stated = link.link.stated
     row: dict[str, object] = {"link": link.link.name, "kg": stated and stated.mass}
     for reading in link.readings:
@@ -184,7 +185,7 @@ def _row(link: InspectedLink) -> dict[str, object]:
 
 
 def _print_list(heading: str, lines: Sequence[Finding]) -> None:
-    """Print a heading and at most `MOST_LINES` findings; nothing without findings."""
+    """Print a heading and at most `MOST_LINES` findings; print nothing if there are none."""
     if not lines:
         return
     print(f"{heading}:")
@@ -196,7 +197,7 @@ def _print_list(heading: str, lines: Sequence[Finding]) -> None:
 
 
 def _print(text: str, first: str = "", rest: str = "") -> None:
-    """Print a paragraph, which is wrapped on a terminal only.
+    """Print a paragraph, wrapped if it goes to a terminal.
 
     Parameters
     ----------
@@ -264,7 +265,7 @@ def _link_record(link: InspectedLink) -> dict[str, Any]:
 
 
 def _body_record(body: BodyReading | None) -> dict[str, Any]:
-    """Return a body's mass, kg, com, m, and tensor, kg m², as a JSON object.
+    """Return a body's mass, kg, com, m, and inertia tensor about the com, kg m², as a JSON object.
 
     All three are None if there is no body.
     """
@@ -278,8 +279,8 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
 
     Parameters
     ----------
-    out : the folder; made if it is not there
-    links : names of the only links to write; all if empty
+    out : the folder; made if it does not exist
+    links : names of the links that are wanted; all if empty
 
     Returns
     -------
@@ -288,8 +289,8 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     Raises
     ------
     Complaint
-        If the file cannot be read, has no such link or no link that makes a scene, or if a scene's
-        file is there already or cannot be written.
+        If the file cannot be read, if it has no such link or no link that makes a scene, or if a
+        scene's file exists already or cannot be written.
     """
     with as_complaint(ModelFileError):
         model = read_model(file)

@@ -19,11 +19,11 @@ _FOLDER = "spincheck"
 
 
 def outcome_of(item: pytest.Item, rests_on: str) -> str | None:
-    """Return the outcome of a test item that was kept in an earlier session.
+    """Return the outcome of a test item, if it was kept in an earlier session of pytest.
 
     Parameters
     ----------
-    rests_on : digest of all that the outcome depends on, as the function `rests_on` returns it
+    rests_on : digest of all that the outcome depends on, from the function `rests_on`
 
     Returns
     -------
@@ -42,7 +42,7 @@ def keep(item: pytest.Item, rests_on: str, outcome: str) -> None:
 
     Parameters
     ----------
-    rests_on : digest of all that the outcome depends on, as `rests_on` returns it
+    rests_on : digest of all that the outcome depends on, from the function `rests_on`
     outcome : why the item was skipped; empty if it passed
     """
     if cache := _cache(item):
@@ -57,7 +57,7 @@ def _cache(item: pytest.Item) -> pytest.Cache | None:
 def rests_on(scenario: Scenario, engine: Engine, method: Method, max_steps: int) -> str:
     """Return a digest of all that the outcome of an engine's test item depends on.
 
-    That is the scene, the program, the adapter, the engine, the method and the ladder's length.
+    It covers the scene, the program, the adapter, the engine, the method and the ladder's length.
 
     Parameters
     ----------
@@ -70,9 +70,9 @@ def rests_on(scenario: Scenario, engine: Engine, method: Method, max_steps: int)
 
 
 def _native_files(engine: Engine) -> Iterator[str]:
-    """Yield name, size and time of change of an engine's native files.
+    """Yield name, size and time of change of each native library in an engine's package.
 
-    They change when the engine is built again, even if its version does not.
+    These change when the engine is built again, even if its version does not.
     """
     package = engine.package or engine.family or engine.name
     spec = find_spec(package) if package.isidentifier() else None
@@ -83,14 +83,14 @@ def _native_files(engine: Engine) -> Iterator[str]:
 
 
 def _stamp(file: Path) -> str:
-    """Return name, size, bytes, and time of change, ns, of a file as text."""
+    """Return, as text, a file's name, its size in bytes and its time of change in ns."""
     found = file.stat()
     return f"{file.name} {found.st_size} {found.st_mtime_ns}"
 
 
 def _place(item: pytest.Item) -> str:
-    """Return the key of a test item in the cache.
+    """Return the key of a test item in pytest's cache.
 
-    It is a digest, as not every system allows the item's name as the name of a file.
+    It has a digest of the item's name, as not every system allows such a name as that of a file.
     """
     return f"{_FOLDER}/{sha256(item.nodeid.encode()).hexdigest()[:16]}"

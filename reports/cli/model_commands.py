@@ -107,9 +107,9 @@ def import_links(
 
 
 def _packages(options: list[str]) -> tuple[tuple[str, Path], ...]:
-    """Return the names and folders that values of '--package-path' state.
+    """Return the names and folders of packages that the values of '--package-path' state.
 
-    It raises a `Complaint` for a value that is not NAME=DIR with a folder that exists.
+    A `Complaint` is raised for a value that is not NAME=DIR with a folder that exists.
     """
     folders = []
     for one in options:

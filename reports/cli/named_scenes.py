@@ -1,4 +1,4 @@
-"""Finds and reads the scenes that a user named, and collects their errors."""
+"""Finds and reads the scenes that a user named, and collects errors in their files."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -23,8 +23,8 @@ RPM = 30 / math.pi
 def one_scene(name: str) -> Scenario:
     """Return the scene that a file's path or the name of a library scene stands for.
 
-    It raises a `Complaint` if there is none, if the name is that of a folder with several scenes,
-    or if a file is no valid scene.
+    A `Complaint` is raised if there is no such scene, if the name is that of a folder with several
+    scenes, or if the file is no valid scene.
     """
     scenes = scenes_to_run([name], expectations=False)
     if len(scenes) != 1:
@@ -43,8 +43,8 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
     Raises
     ------
     Complaint
-        If a name is of no scene, a file is no valid scene, or an expectation names an engine or
-        method that does not exist.
+        If there is no scene of some name, if a file is no valid scene, or if an expectation names
+        an engine or method that does not exist.
     """
     scenarios, wrong = load_each(_files(names))
     complain(wrong)
@@ -56,9 +56,9 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
 
 
 def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
-    """Return a row of a table for each scene, and a message for each unreadable file.
+    """Return a table row for each scene, and a message for each file that is no valid scene.
 
-    A `Complaint` is raised for a name of no scene.
+    A `Complaint` is raised for a name that no scene has.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def checked(names: Iterable[str]) -> Checked:
 
 
 def _in_short(scenario: Scenario) -> str:
-    """Return a scene's mass, tilt and speeds in words, so that users notice a wrong unit."""
+    """Return a scene's mass, tilt and angular speeds in words, in which a wrong unit is seen."""
     w, x, y, z = scenario.start.q_world_body_wxyz.tolist()
     tilt = math.degrees(2 * math.atan2(math.hypot(x, y), math.hypot(w, z)))
     speeds = [math.hypot(*scenario.start.omega_body), *map(float, scenario.start_spins)]
@@ -139,9 +139,10 @@ def _in_short(scenario: Scenario) -> str:
 
 
 def _check_motion(scenario: Scenario, result: Checked) -> bool:
-    """Check what a scene states about its motion; return whether all of it is true.
+    """Check a scene's published values and effects; return whether all published values hold.
 
-    What is found is added to `result`. False is returned if the motion cannot be solved.
+    Sentences on what is wrong are added to `result`. False is returned, too, if the motion cannot
+    be solved.
     """
     from ...reference import IntegrationError
     from ..harness.scene_checks.power import powerless
@@ -160,13 +161,13 @@ def _check_motion(scenario: Scenario, result: Checked) -> bool:
 
 
 def complain(wrong: Sequence[str]) -> None:
-    """Raise one `Complaint` with everything that is wrong, if anything is."""
+    """Raise one `Complaint` with all messages on what is wrong, if there are any."""
     if wrong:
         raise Complaint("\n".join(wrong))
 
 
 def _files(names: Sequence[str]) -> list[Path]:
-    """Return the files of the scenes named; raise a `Complaint` for a name of no scene."""
+    """Return the files of the scenes named; raise a `Complaint` for a name that no scene has."""
     with as_complaint(ScenarioError):
         return _found(names)
 
@@ -174,7 +175,7 @@ def _files(names: Sequence[str]) -> list[Path]:
 def _found(names: Sequence[str]) -> list[Path]:
     """Return the files of the scenes named, and print which of them hide scenes of the library.
 
-    It raises `ScenarioError` for a name of no scene.
+    `ScenarioError` is raised for a name that no scene has.
     """
     paths = find(names)
     for sentence in hiding_the_library(names):

@@ -14,7 +14,7 @@ CORES = os.cpu_count() or 1
 
 
 def _seconds(text: str) -> float:
-    """Return a number of seconds given as text; raise `typer.BadParameter` if it is none."""
+    """Return the number of seconds in a text; raise `typer.BadParameter` if it is no number."""
     try:
         return float(text)
     except ValueError:
@@ -23,9 +23,9 @@ def _seconds(text: str) -> float:
 
 
 def _there_if_named(file: Path) -> Path:
-    """Return the path of a result file; raise `typer.BadParameter` if it is missing.
+    """Return the path of a result file; raise `typer.BadParameter` if there is no such file.
 
-    The file may be missing if it is `RESULT_FILE`, the default.
+    `RESULT_FILE`, the default, need not exist.
     """
     if file != RESULT_FILE and not file.exists():
         raise typer.BadParameter(f"there is no file '{file}'")

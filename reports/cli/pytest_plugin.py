@@ -13,7 +13,7 @@ from .scene_summary import KEPT, summary
 
 #: Number of bytes at a file's beginning in which a scenario's first key must be.
 _HEAD = 1 << 14
-#: Names of the settings of which engines are tested, and of how many steps a run may take.
+#: Names of two settings of pytest: the engines tested, and the largest number of steps of a run.
 _ENGINES, _MAX_STEPS = "spincheck_engines", "spincheck_max_steps"
 #: Options of `spincheck.suite`.
 ENGINE, XFAILS = "--spincheck-engine", "--spincheck-xfails"
@@ -48,9 +48,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Check the settings, and register the hooks of the suite if it is to test an engine.
+    """Check the plugin's settings; register the suite's hooks if the option `ENGINE` is given.
 
-    It raises `pytest.UsageError` for a setting or an option that cannot be used.
+    `pytest.UsageError` is raised for a setting or an option that cannot be used.
     """
     _max_steps(config)
     if names := config.getoption(ENGINE):
@@ -78,9 +78,9 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> None:
-    """Compile the solver of exact motions before the first test, with a message that is shown.
+    """Compile the solver of exact motions before the first test, and print a message about it.
 
-    Nothing is done if there are no scenes among the tests, or no test will be run.
+    Nothing is done if there are no scenes among the tests, or if no test will be run.
     """
     reporter: Any = session.config.pluginmanager.get_plugin("terminalreporter")
     has_scenes = any(KEPT in dict(item.user_properties) for item in session.items)
@@ -94,15 +94,15 @@ def pytest_runtestloop(session: pytest.Session) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Print how many methods on how many scenes agree, fail, or could not be judged."""
+    """Print how many of the scenes' test items agree, fail, or were not judged."""
     if line := summary(terminalreporter.stats):
         terminalreporter.write_line(line)
 
 
 def _max_steps(config: pytest.Config) -> int | None:
-    """Return the largest number of steps of a run, from pytest's settings; None if left out.
+    """Return the largest number of steps of a run, from pytest's settings; None if not set.
 
-    It raises `pytest.UsageError` unless that is a whole number from 1 on.
+    `pytest.UsageError` is raised unless the setting is a whole number from 1 on.
     """
     setting = config.getini(_MAX_STEPS)
     if not setting:

@@ -1,4 +1,4 @@
-"""Pytest's items of a scene: one for its reference, one for each engine and method."""
+"""Pytest's items for a scene: one for its reference, one for each engine and method."""
 
 import shlex
 from collections.abc import Iterator
@@ -28,8 +28,8 @@ class SceneFile(pytest.File):
     Parameters
     ----------
     engines : names of the engines to test, from pytest's settings; if empty, those that the scene's
-        `[[expect]]` name, or else all but the optional ones
-    max_steps : largest number of steps of a run, from pytest's settings; None if left out
+        `[[expect]]` tables name; if there are none, all but optional engines
+    max_steps : largest number of steps of a run, from pytest's settings; None if not set
     """
 
     def __init__(self, *, engines: list[str], max_steps: int | None, **parent: Any) -> None:
@@ -40,8 +40,8 @@ class SceneFile(pytest.File):
     def collect(self) -> Iterator[pytest.Item]:
         """Yield an item for the reference, and one for each engine and method.
 
-        A method that is as shipped, or that the engine does not offer for the scene, has an item
-        only if an `[[expect]]` names it. Engines that are missing have items that are skipped.
+        A method as shipped, or one that its engine does not offer for the scene, has an item only
+        if an `[[expect]]` table names it. A missing engine has an item that is skipped.
 
         Raises
         ------
@@ -71,7 +71,7 @@ class SceneFile(pytest.File):
         yield from self._not_tested()
 
     def _check_engines(self) -> None:
-        """Raise `CollectError` if a setting names no engine, or two engines share a name."""
+        """Raise `CollectError` for an unknown engine in the settings, or two of the same name."""
         try:
             known: list[Engine | Missing] = [*engines().values(), *missing()]
         except NameTaken as error:
@@ -85,7 +85,7 @@ class SceneFile(pytest.File):
                 )
 
     def _is_chosen(self, engine: Engine | Missing, *, by_default: bool) -> bool:
-        """Whether items are made for an engine.
+        """Whether the engine is one of those to test.
 
         Parameters
         ----------
@@ -98,9 +98,10 @@ class SceneFile(pytest.File):
         return engine.name in expected if expected else by_default
 
     def _not_tested(self) -> Iterator[pytest.Item]:
-        """Yield an item, to be skipped, for each engine that should be installed and is not.
+        """Yield an item that is skipped for each engine that should be installed but is missing.
 
-        An engine for which the scene has expectations should be installed even if it is optional.
+        Engines that the settings or the scene's expectations name should be installed; without any,
+        those that the package requires.
         """
         needed = [line for line in requires("spincheck") or [] if "extra ==" not in line]
         for absent in missing():
@@ -110,7 +111,7 @@ class SceneFile(pytest.File):
 
     @cached_property
     def prepared(self) -> Prepared:
-        """The ladder of the scene, with its exact motion, which is solved once for all items."""
+        """The scene's ladder and exact motion; the motion is solved once for all items."""
         timesteps = sorted({expect.timestep for expect in self.scenario.expect})
         return prepare(self.scenario, timesteps, self.max_steps).for_verdicts()
 
@@ -141,7 +142,7 @@ class SceneItem(pytest.Item):
 
 
 class Disagreement(Exception):
-    """Raised if a test item fails; its arguments are the lines that say what disagreed."""
+    """The error of a test item that fails; its arguments are lines that say what disagreed."""
 
 
 class ReferenceItem(SceneItem):
@@ -164,15 +165,15 @@ class EngineItem(SceneItem):
     def runtest(self) -> None:
         """Run and judge the method on the scene.
 
-        The item is skipped, by pytest's exception, if the method does not support the scene or
-        diverges. The method is not run if an outcome is kept from an earlier session and nothing
-        that it depends on has changed.
+        The item is skipped if the method does not support the scene or diverges. The method is not
+        run if its outcome is kept from an earlier session and nothing that the outcome depends on
+        has changed since.
 
         Raises
         ------
         Disagreement
-            If the verdict is `disagrees`, `failed` or `unresolved` and this is not expected, or an
-            expectation of the scene is unmet.
+            If the verdict is `disagrees`, `failed` or `unresolved` and this is not expected, or if
+            an expectation of the scene is unmet.
         """
         scenario, engine, method = self.parent.scenario, self.engine, self.method
         if reason := engine.unsupported(scenario, method):
@@ -189,12 +190,12 @@ class EngineItem(SceneItem):
             pytest.skip(f"{scenario.name}, {engine.name} {method.name}: {skipped}")
 
     def _skipped(self) -> str:
-        """Run and judge the method; return why the item is skipped, empty if it passes.
+        """Run and judge the method; return why the item is to be skipped, empty if it passes.
 
         Raises
         ------
         Disagreement
-            As for `runtest`.
+            If the method fails the test, as `runtest` describes.
         """
         scenario, prepared = self.parent.scenario, self.parent.prepared
         study = convergence_study_of(scenario, self.engine, self.method, prepared)
@@ -212,7 +213,7 @@ class EngineItem(SceneItem):
         return ""
 
     def _remedies(self) -> Iterator[str]:
-        """Yield commands that find a timestep at which the bounds of unmet expectations hold."""
+        """Yield commands that find a timestep within the bounds of the method's expectations."""
         own = (self.engine.name, self.method.name)
         for expect in self.parent.scenario.expect:
             if expect.bounds() and (expect.engine, expect.method) == own:
@@ -222,7 +223,7 @@ class EngineItem(SceneItem):
 
 
 class MissingEngineItem(SceneItem):
-    """An item that is skipped because an engine is missing; it says why."""
+    """An item that is skipped because an engine is missing; its message says why it is."""
 
     def __init__(self, *, reason: str, **parent_and_name: Any) -> None:
         super().__init__(**parent_and_name)
@@ -237,7 +238,10 @@ _WORKER = pytest.StashKey[LocalWorkers]()
 
 
 def _worker(config: pytest.Config) -> LocalWorkers:
-    """Return the session's worker process, in which an engine's crash fails one item only."""
+    """Return the worker process of pytest's session; an engine that crashes it fails one item only.
+
+    The worker is started at the first call.
+    """
     if _WORKER not in config.stash:
         config.stash[_WORKER] = LocalWorkers(jobs=1)
         config.add_cleanup(config.stash[_WORKER].close)

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-#: Name of the property of every item of a scene, kept in its report: whether its outcome was known
-#: from before, so that it was not run.
+#: Name of a property that the report of each scene's item has: whether the item was not run because
+#: its outcome is kept from an earlier session.
 KEPT = "spincheck_kept"
 #: Beginning of the reason of a skipped item if the engine cannot simulate the scene.
 UNSUPPORTED = "unsupported"
@@ -36,5 +36,5 @@ def summary(stats: Mapping[str, Sequence[Any]]) -> str:
 
 
 def _properties(report: Any) -> dict[str, Any]:
-    """Return the properties of one of pytest's reports, by name; none if it has none."""
+    """Return the user properties of one of pytest's reports, by name; empty if it has none."""
     return dict(getattr(report, "user_properties", ()))

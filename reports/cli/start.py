@@ -6,11 +6,11 @@ import signal
 
 def main() -> None:
     """Run the command line."""
-    # Default handlers, until the program handles signals itself. Signals that are ignored, as by
-    # nohup, stay so.
+    # Until the program handles signals itself, the system's default ends it at once. A signal that
+    # is ignored, as by nohup, stays ignored.
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    # Set before numpy loads. Matrices are small: a second thread of linear algebra only spins.
+    # Set before numpy loads. Matrices are small: a second thread of linear algebra would only wait.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from .app import main as command_line
 

@@ -21,28 +21,27 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 
 STDIN, STDOUT, STDERR = 0, 1, 2
-#: Time in which Python must handle a signal, s; and time in which everything must be closed after
-#: that, s.
+#: Time that Python has to handle a signal, s; and time that it then has to close everything, s.
 HEARING, ENDING = 0.4, 0.4
 #: Windows has no SIGHUP.
 _HANGUP: signal.Signals | None = getattr(signal, "SIGHUP", None)
 _STOPPING = tuple(n for n in (signal.SIGINT, signal.SIGTERM, _HANGUP) if n is not None)
 #: A program ended by a signal exits with this plus the signal's number, as in shells.
 _BY_SIGNAL = 128
-#: Python's module that imports modules: it is in the stack while one is being imported.
+#: Python's module that imports modules: a frame of it is on the stack while one is being imported.
 _IMPORTING = "<frozen importlib._bootstrap>"
 #: Terminal codes that show the cursor, which a progress bar hides, and clear the line that it is
 #: on.
 _CURSOR_AND_EMPTY_LINE = "\x1b[?25h\r\x1b[K"
-#: Sentences that `saying` adds to the message that the program was stopped, the outermost block's
-#: first; only the first is printed.
+#: Sentences that `saying` adds to the message that the program was stopped, that of the outermost
+#: block first; only the first is printed.
 _besides: list[str] = []
 _last_words = threading.Lock()
 _said = threading.Event()
 
 
 class Stopped(BaseException):
-    """Raised to end the program; only the command line catches it."""
+    """The exception that ends the program after a signal; only the command line catches it."""
 
     def __init__(self, number: int) -> None:
         super().__init__(f"stopped by {signal.Signals(number).name}")
@@ -54,7 +53,7 @@ class Stopped(BaseException):
 def saying(besides: str) -> Iterator[None]:
     """Add a sentence to the message that is printed if the program is stopped inside the block.
 
-    Of nested blocks the sentence of the outermost is printed.
+    If blocks are nested, only the sentence of the outermost one is printed.
     """
     _besides.append(besides)
     try:
@@ -66,12 +65,12 @@ def saying(besides: str) -> Iterator[None]:
 
 
 def say_last_words(number: int) -> None:
-    """Print on stderr which signal stopped the program, with the sentence of `saying`.
+    """Print on stderr which signal stopped the program, and the sentence given to `saying`.
 
-    It is printed once, even if several threads call this function.
+    The message is printed once, even if several threads call this function.
     """
     if not _last_words.acquire(blocking=False):
-        # Another thread prints it, and who called this may end the program.
+        # Another thread prints the message. The caller may end the program, so wait for it.
         _said.wait(ENDING)
         return
     last_words = "; ".join([f"spincheck: {Stopped(number)}", *_besides[:1]])
@@ -83,7 +82,7 @@ def say_last_words(number: int) -> None:
 
 
 def raise_when_stopped() -> None:
-    """Let signals that stop the program raise `Stopped` from now on.
+    """Set handlers, so that signals that stop the program raise `Stopped` from now on.
 
     Signals that are ignored, as by nohup, stay ignored.
     """
@@ -121,13 +120,13 @@ def _imports(frame: FrameType | None) -> bool:
 def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
     """Start a daemon thread that ends the program if it has not ended in time after a signal.
 
-    Python has `HEARING` s to handle the signal; if it does, the program has `ENDING` s more to
+    Python has `HEARING` s to handle the signal. If it does, the program has another `ENDING` s to
     close everything. No thread is started if no file descriptor is free.
 
     Parameters
     ----------
     obeyed : the signals that stop the program
-    received : is set as soon as Python handles one of them
+    received : an event that is set as soon as Python handles one of these signals
     """
     try:
         wakes, woken = os.pipe()
@@ -159,7 +158,7 @@ def _leave(number: int, _: FrameType | None) -> None:
 def print_nowhere(*descriptors: int) -> None:
     """Redirect streams, given by their file descriptors, to the null device.
 
-    It is called when the terminal, pipe or file behind them can no longer be written.
+    This is done when the terminal, pipe or file that they write to can no longer be written.
     """
     nowhere = os.open(os.devnull, os.O_WRONLY)
     for descriptor in descriptors:
@@ -170,7 +169,8 @@ def print_nowhere(*descriptors: int) -> None:
 def open_closed_streams() -> None:
     """Open the null device for each standard stream that was closed when the program started.
 
-    Otherwise the first file opened would take its descriptor, and output would go into that file.
+    Otherwise the next file that is opened would get the descriptor of that stream, and what the
+    program prints would go into the file.
     """
     for descriptor in (STDIN, STDOUT, STDERR):
         try:

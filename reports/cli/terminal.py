@@ -14,11 +14,11 @@ from typing import Any, TextIO
 
 from .stopping import STDERR, STDOUT, print_nowhere
 
-#: Exit codes: everything agrees; something does not; bad input or usage; nothing could be run.
+#: Exit codes: everything agrees; something disagrees; bad input or usage; nothing could be run.
 AGREES, DISAGREES, BAD_INPUT, NOT_RUN = 0, 1, 2, 3
 
 
-#: Width, characters, to which a longer name may be wrapped if a table is wider than the terminal.
+#: Width, characters, to which longer names may be wrapped if a table is too wide for the terminal.
 NAME = 12
 
 
@@ -31,7 +31,7 @@ class Complaint(Exception):
 
 
 def command(name: str, path: Path) -> str:
-    """Return a command of spincheck on a file, quoted as a shell needs it."""
+    """Return the command line for a command of spincheck and a file, quoted as a shell needs it."""
     return shlex.join(["spincheck", name, str(path)])
 
 
@@ -65,10 +65,9 @@ def say(text: str) -> None:
 
 
 def escape_what_turns_text(stream: TextIO) -> None:
-    """Make a stream print invisible characters, and those that reverse text, as escapes.
+    """Replace a stream's `write`, so that invisible and text-reversing characters become escapes.
 
-    ASCII characters are kept, as the control sequences that draw tables and progress bars consist
-    of them. The stream's method `write` is replaced.
+    ASCII characters are kept: tables and progress bars are drawn with control sequences of them.
     """
     write = stream.write
 
@@ -83,23 +82,23 @@ def escape_what_turns_text(stream: TextIO) -> None:
 
 
 def to_json(value: Any) -> str:
-    """Return JSON with numbers that read back to the last bit, and null for inf and nan.
+    """Return a value as JSON: numbers with all digits, null for inf and NaN.
 
-    Control characters are escaped, as JSON does.
+    Characters that cannot be printed are written as escapes of JSON.
     """
     text = json.dumps(_finite(value), indent=1, ensure_ascii=False, allow_nan=False)
     return "\n".join(map(_escaped, text.split("\n")))
 
 
 def _escaped(line: str) -> str:
-    """Return a line with characters that cannot be printed as escapes of JSON."""
+    """Return a line in which JSON's escapes replace the characters that cannot be printed."""
     if line.isprintable():
         return line
     return "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in line)
 
 
 def _finite(value: Any) -> Any:
-    """Return a value for JSON, with None in place of inf and nan."""
+    """Return a value for JSON with None in place of each inf and NaN, nested ones too."""
     if isinstance(value, Mapping):
         return {key: _finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -110,10 +109,11 @@ def _finite(value: Any) -> Any:
 
 
 def table(rows: Sequence[Mapping[str, object]]) -> None:
-    """Print records as a table with their keys as headings; in a pipe, each record is a line.
+    """Print records as a table with their keys as headings.
 
-    On a terminal that is too narrow, texts are wrapped; if even then a record does not fit into a
-    line, each is printed as a paragraph. No number is cut.
+    In a file or a pipe, each record is one line. On a terminal that is too narrow, texts are
+    wrapped; if the table is still too wide, each record is printed as a paragraph. No number is
+    ever cut.
     """
     from rich import box
     from rich.console import Console
@@ -142,26 +142,28 @@ def table(rows: Sequence[Mapping[str, object]]) -> None:
 
 
 def _beside(columns: Sequence[object]) -> int:
-    """Return the number of characters in a line of a table that belong to no cell."""
+    """Return the number of characters in a line of a table that are borders or padding."""
     return 3 * len(columns) + 1
 
 
 def _least_width(text: str) -> int:
-    """Return the least width of a cell: its longest number, or `NAME` letters of a name."""
+    """Return the least width of a cell, characters.
+
+    Numbers are kept whole; other words may be wrapped after `NAME` characters.
+    """
     words = text.split()
     return max((len(w) if _is_number(w) else min(len(w), NAME) for w in words), default=0)
 
 
 def _is_number(word: str) -> bool:
-    """Whether a word is a number or begins with one; names have their digits further back."""
+    """Whether a word is a number or begins with one; engines' names do not begin with a digit."""
     return word.lstrip("+-±≤≥<>~([").replace(".", "", 1)[:1].isdigit()
 
 
 def _narrowed(widths: list[int], least: list[int], room: int) -> list[int]:
-    """Return widths with which columns fit into a table.
+    """Return widths of columns that fit into a table, narrowed if necessary.
 
-    The column with the most characters above its least width is narrowed first, by one character at
-    a time. Widths that fit already are returned unchanged.
+    One character at a time is taken from the column that is furthest above its least width.
 
     Parameters
     ----------
@@ -176,7 +178,13 @@ def _narrowed(widths: list[int], least: list[int], room: int) -> list[int]:
 
 
 def _print_paragraphs(lines: list[list[str]], width: int) -> None:
-    """Print each record as a paragraph, a line for each heading and value."""
+    """Print each record as a paragraph, in which each heading and value begin a line.
+
+    Parameters
+    ----------
+    lines : the headings, then the cells of each record
+    width : width of the terminal, characters
+    """
     headings = lines[0]
     indent = " " * (max(map(len, headings)) + 2)
     for line in lines[1:]:
@@ -195,7 +203,7 @@ def _print_paragraphs(lines: list[list[str]], width: int) -> None:
 
 
 def terminal_width() -> int | None:
-    """Return the width of the terminal that is printed on; None for a file or a pipe."""
+    """Return the width of the terminal, characters; None if output goes to a file or a pipe."""
     from rich.console import Console
 
     console = Console()
@@ -203,7 +211,7 @@ def terminal_width() -> int | None:
 
 
 def cell(value: object) -> str:
-    """Return a value as tables show it: a float in three digits, nothing for None."""
+    """Return a value as the text of a table's cell: a float in three digits, empty for None."""
     if value is None:
         return ""
     from ...scenarios import printable
@@ -212,9 +220,10 @@ def cell(value: object) -> str:
 
 
 def _left(finished: Sequence[float], total: int) -> str:
-    """Return the time left in words, extrapolated from the later half of the finished tasks.
+    """Return, in words, an estimate of the time until all tasks have finished.
 
-    The text is empty as long as fewer than two tasks have finished.
+    It is extrapolated from the later half of the finished tasks. The text is empty if fewer than
+    two tasks have finished.
 
     Parameters
     ----------
@@ -236,11 +245,11 @@ def in_words(seconds: float) -> str:
 
 @contextmanager
 def progress(total: int, lines: int | None = None) -> Iterator[Callable[[str], None]]:
-    """Show progress: a bar on a terminal, plain lines elsewhere.
+    """Show progress on stderr: as a bar on a terminal, in plain lines elsewhere.
 
-    The block is given a function to be called, with a text, whenever a task has finished. Bar and
-    lines show the time left, extrapolated from the tasks that finished last: the first may have
-    waited for processes to start and kernels to compile, and the machine's load changes.
+    The context yields a function. The block calls it with a text whenever a task has finished. Bar
+    and lines show an estimate of the time left. It rests on the tasks that finished last, as the
+    first ones may have waited for processes to start and kernels to compile.
 
     Parameters
     ----------
@@ -288,8 +297,9 @@ _OF_OUTPUT = (errno.ENOSPC, errno.EPIPE, errno.EBADF, errno.EIO, errno.EFBIG, er
 def refusal(error: Exception) -> Complaint | None:
     """Return a `Complaint` for an error that is not a fault of the program; None for any other.
 
-    These are errors of the operating system, such as a full disk, a lack of memory, and two engines
-    of the same name. If standard output cannot be written, all that is printed later is discarded.
+    Errors of the operating system, such as a full disk, a lack of memory, and two engines of the
+    same name are no faults of the program. If standard output cannot be written, it is redirected
+    to the null device.
     """
     from ...engines import NameTaken
     from ..harness.executors import cause_of
@@ -325,11 +335,12 @@ def written(place: Path | str) -> Iterator[None]:
 
 
 def unusable(place: Path | str, error: OSError, purpose: str = "used") -> Complaint:
-    """Return the complaint about a file or folder that cannot be written or used.
+    """Return the complaint that a file or folder cannot be written, or cannot be used.
 
     Parameters
     ----------
-    purpose : what it was to be: "written" or "used"
+    place : the file or folder
+    purpose : "written" or "used"
     """
     from ...scenarios import printable
 

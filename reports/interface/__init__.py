@@ -30,14 +30,14 @@ __all__ = ["exact", "gradients", "judge", "judge_timesteps", "load", "results", 
 def load(scene: "Scene", name: str = "scene") -> "Scenario":
     """Return a scene as a `Scenario`, read and checked.
 
-    A file of the current folder, such as `./fast-top.toml`, takes precedence over a scene of the
-    library; then a warning is logged.
+    A file in the current folder, such as `./fast-top.toml`, takes precedence over the library's
+    scene of the same name. A warning is then logged.
 
     Parameters
     ----------
     scene : its name in the library, the path of its file, or the TOML tables of its file as a dict,
-        with lists or NumPy's arrays; a `Scenario` is returned as it is
-    name : name that the scene gets if it is given as a dict
+        with lists or NumPy arrays; a `Scenario` is returned as it is
+    name : name of the scene if it is given as a dict
 
     Raises
     ------
@@ -62,12 +62,16 @@ def load(scene: "Scene", name: str = "scene") -> "Scenario":
 def exact(scene: "Scene") -> "ExactMotion":
     """Return the exact motion of a scene; its method `at` gives states at any times.
 
-    The first call on a machine compiles the solver, after a logged warning.
+    The first call on a machine compiles the solver. A warning that this takes long is logged first.
+
+    Parameters
+    ----------
+    scene : name in the library, path of a file, TOML tables as a dict, or a `Scenario`
 
     Raises
     ------
     spincheck.scenarios.ScenarioError
-        As for `load`.
+        If there is no such scene, or it breaks a rule of the format.
     """
     from .exact_motion import ExactMotion
 
@@ -86,18 +90,21 @@ def gradients(
 ) -> "list[GradientRow]":
     """Return verdicts on an engine's derivatives of its steps, compared with exact derivatives.
 
-    The engine runs in a process of its own.
+    The engine runs in a process of its own. Its derivatives of single steps are compared at several
+    timesteps. Gradients through many steps are compared over a window of time.
 
     Parameters
     ----------
-    timestep : timestep of the window's steps, s; chosen by the motion's fastest rate if None
-    window : length of the window over which gradients are compared, s; of 512 steps if None
+    scene : name in the library, path of a file, TOML tables as a dict, or a `Scenario`
+    engine, method : names of an engine and of one of its methods
+    timestep : timestep of the window's steps, s; if None, it follows from the fastest rate
+    window : length of the window, s; 512 steps if None
 
     Returns
     -------
-    One row for each derivative that the engine gives, with its verdict, and one for central
-    differences of its steps. If the engine cannot simulate the scene, the last is the only row, and
-    has the reason.
+    One row for each derivative that the engine offers, with its verdict. A last row is for central
+    differences of the engine's steps. If the engine cannot simulate the scene, this is the only
+    row, and it has the reason.
 
     Raises
     ------
@@ -105,7 +112,7 @@ def gradients(
         If there is no such engine or method, or if the timestep or the window is not a finite
         number above 0.
     spincheck.scenarios.ScenarioError
-        As for `load`.
+        If there is no such scene, or it breaks a rule of the format.
     """
     from .single_run import judged_gradients
 
@@ -131,33 +138,37 @@ def judge(
     noise_attitude: float | None = None,
     noise_omega: float | None = None,
 ) -> "JudgedMotion":
-    """Return the errors of a recorded motion, and what explains them.
+    """Return the errors of a recorded motion, and the mistakes that explain them.
 
-    Its `as_record()` returns what `spincheck judge --json` prints for a file.
+    The method `as_record()` of the result returns what `spincheck judge --json` prints for a file.
 
     Parameters
     ----------
-    t : (n,) s, increasing, from 0 on
-    q_wxyz, q_xyzw : (n, 4) attitudes, body to world components; one of the two
-    omega_body, omega_world : (n, 3) rad/s; at most one of the two; without either, ω is computed
-        from the attitudes
-    com, velocity : (n, 3) m and m/s, world axes, of the centre of mass, if recorded
-    spins : (n, rotors) rad/s, relative to the body, of a scene with rotors, if recorded
+    scene : name in the library, path of a file, TOML tables as a dict, or a `Scenario`
+    t : times of the samples, s, (n,): increasing, none negative, 0 at the scene's start
+    q_wxyz, q_xyzw : attitudes, (n, 4): unit quaternions, scalar first or last, that take body to
+        world components; exactly one of the two arrays
+    omega_body, omega_world : angular velocity, rad/s, (n, 3), in body or world axes; at most one of
+        the two arrays; without either, ω is computed from the attitudes
+    com, velocity : position, m, and velocity, m/s, of the centre of mass, (n, 3), world axes; None
+        if not recorded
+    spins : angular velocity of each rotor relative to the body, rad/s, (n, rotors); None if not
+        recorded or if the scene has no rotors
     timestep : timestep with which the motion was computed, s; if None, the time between samples is
         assumed
     precision : "single" or "double", in which the motion was computed; if None, it is found from
         the numbers
     order : order of accuracy of the method with which the motion was computed
-    noise_attitude, noise_omega : standard deviations of measured numbers, rad and rad/s; estimated
-        if both are left out
+    noise_attitude, noise_omega : standard deviations of a measured motion's attitude, rad, and ω,
+        rad/s; estimated if both are None
 
     Raises
     ------
     ValueError
-        If the arrays are not a motion, go beyond the time up to which the exact motion is known, or
-        do not fit `timestep`, which must not be longer than the time between samples.
+        If the arrays do not describe a motion, if they go beyond the time up to which the exact
+        motion is known, or if `timestep` is longer than the time between samples.
     spincheck.scenarios.ScenarioError
-        As for `load`.
+        If there is no such scene, or it breaks a rule of the format.
     """
     from .recorded import Made, judged
 
@@ -171,19 +182,21 @@ def judge(
 
 
 def judge_timesteps(scene: "Scene", motions: "Sequence[JudgedMotion]", order: int = 1) -> "Verdict":
-    """Return the verdict on a method, from its motions at a timestep halved again and again.
+    """Return the verdict on a method, from its motions at timesteps halved again and again.
 
     Parameters
     ----------
-    motions : what `judge` returned for each motion, with its timestep
+    scene : name in the library, path of a file, TOML tables as a dict, or a `Scenario`
+    motions : the result of `judge` for each motion, each judged with its `timestep`
     order : order of accuracy that the method has or claims
 
     Raises
     ------
     ValueError
-        If timesteps are unknown or not halved, or the motions share no sample times.
+        If the timesteps are unknown, or are not halves of one another, or if the motions share no
+        sample times.
     spincheck.scenarios.ScenarioError
-        As for `load`.
+        If there is no such scene, or it breaks a rule of the format.
     """
     from .recorded import verdict_on
 
@@ -191,7 +204,13 @@ def judge_timesteps(scene: "Scene", motions: "Sequence[JudgedMotion]", order: in
 
 
 def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
-    """Simulate a scene with one method and timestep, s, in a process of its own.
+    """Simulate a scene with one method and timestep, in a process of its own.
+
+    Parameters
+    ----------
+    scene : name in the library, path of a file, TOML tables as a dict, or a `Scenario`
+    engine, method : names of an engine and of one of its methods
+    timestep : s
 
     Returns
     -------
@@ -203,7 +222,7 @@ def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
         If there is no such engine or method, or the timestep is not above 0 or is longer than the
         scene's window.
     spincheck.scenarios.ScenarioError
-        As for `load`.
+        If there is no such scene, or it breaks a rule of the format.
     """
     from .single_run import single_run
 
@@ -215,12 +234,12 @@ def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
 def results(path: "str | Path") -> "StoredResults":
     """Return the runs and verdicts of a result file, as lists of records.
 
-    Runs of ensembles are left out.
+    Runs in which something is varied, such as those on the members of ensembles, are left out.
 
     Raises
     ------
     spincheck.reports.results.result_file.ResultFileError
-        If the file is missing, is no result file of this format, or cannot be read.
+        If the file is missing, is not a result file of this format, or cannot be read.
     """
     from .stored import StoredResults
 
@@ -228,7 +247,7 @@ def results(path: "str | Path") -> "StoredResults":
 
 
 def _compile_first() -> None:
-    """Compile the solver if it is not compiled yet, after a logged warning that this takes long."""
+    """Compile the solver if it is not compiled yet; first log a warning that this takes long."""
     from logging import getLogger
 
     from spincheck.reports.harness.executors.compiling import compile_first

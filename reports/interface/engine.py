@@ -1,7 +1,7 @@
 """The interface for adapters of physics engines: docs/how-to/add-an-engine.md.
 
-This is the whole interface between spincheck and adapters, with the attributes of scenes on that
-page. An adapter states the version that it is written for, as `Engine.interface`.
+An adapter may use these names, and the attributes of scenes that are listed on that page, and
+nothing else. It states the version of the interface that it is written for, as `Engine.interface`.
 """
 
 from spincheck.engines.batch import Batch

@@ -25,13 +25,16 @@ class ExactStates:
 
     Attributes
     ----------
-    t : (n,) s
-    q_world_body_wxyz : (n, 4) unit quaternions, scalar first: body to world components
-    omega_body, omega_world : (n, 3) rad/s
-    com_world, velocity_world : (n, 3) m and m/s, of the centre of mass
-    spins : (n, rotors) rad/s, of the rotors, relative to the body
-    angular_momentum_world : (n, 3) kg m²/s, about the pivot, or the com where there is none
-    energy : (n,) J, kinetic and potential, the latter zero at the world's origin
+    t : times, s, (n,)
+    q_world_body_wxyz : attitudes, (n, 4): unit quaternions, scalar first, that take body to world
+        components
+    omega_body, omega_world : angular velocity, rad/s, (n, 3), in body and in world axes
+    com_world, velocity_world : position, m, and velocity, m/s, of the centre of mass, (n, 3), world
+        axes
+    spins : angular velocity of each rotor relative to the body, rad/s, (n, rotors)
+    angular_momentum_world : angular momentum about the pivot, or about the com if there is no
+        pivot, kg m²/s, (n, 3), world axes
+    energy : kinetic and potential energy, J, (n,); the potential is zero at the world's origin
     uncertainty : an upper bound on the error in each signal: `uncertainty["attitude"]` in rad,
         others relative
     method : how the motion was solved, in words
@@ -52,20 +55,24 @@ class ExactStates:
 
 @final
 class ExactMotion:
-    """The exact motion of one scene."""
+    """The exact motion of one scene; `at` returns its states, `sensitivity` their derivatives."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._scenario, self._solver = scenario, Solver(scenario)
 
     def at(self, times: ArrayLike) -> ExactStates:
-        """Return the states at times, s, (n,), increasing and not negative, or at a single time.
+        """Return the exact states at given times.
+
+        Parameters
+        ----------
+        times : s, (n,), increasing, none negative; or a single time
 
         Raises
         ------
         ValueError
-            If the times do not increase, or one is negative; if they go beyond the time up to
-            which a chaotic motion is known, or at which the body leaves its table; or if they are
-            so late that the motion cannot be computed.
+            If the times do not increase or one is negative; if one is later than the time up to
+            which a chaotic motion is known, or at which the body leaves its table; or if one is so
+            late that the motion cannot be computed.
         spincheck.reference.IntegrationError
             If the motion cannot be integrated that far.
         """
@@ -86,25 +93,26 @@ class ExactMotion:
         )
 
     def sensitivity(self, times: ArrayLike) -> Sensitivity:
-        """Return the exact derivatives of the states by the start and by the scene's parameters.
+        """Return the exact derivatives of the states with respect to start and parameters.
 
         The first call on a machine compiles for some ten seconds.
 
         Parameters
         ----------
-        times : as for `at`
+        times : s, (n,), increasing, none negative; or a single time
 
         Raises
         ------
         ValueError
-            As for `at`.
+            If the exact motion is not known at one of the times, as for `at`.
         spincheck.reference.IntegrationError
-            As for `at`, or if the derivatives take too many steps or leave the range of doubles.
+            If the motion cannot be integrated that far, or if the derivatives take too many steps
+            or leave the range of doubles.
         """
         return sensitivity(self._scenario, self._known(times).trajectory)
 
     def _known(self, times: ArrayLike) -> Solution:
-        """Return the exact motion at given times; raise as `at` unless it is known at each."""
+        """Return the exact motion at given times; raise `ValueError` if it is unknown at one."""
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
         if wanted.ndim > 1 or not len(wanted):
             raise ValueError(f"'times' must have the shape (n,), n > 0, got {wanted.shape}.")

@@ -15,8 +15,8 @@ from spincheck.scenarios import FloatArray, Scenario
 
 #: The highest order of accuracy that may be stated of a method.
 MOST_ORDER = 12
-#: By the name of an argument, the quantity that it gives and its number of components: None for t,
-#: and any number for spins.
+#: For each argument of `spincheck.judge`: the quantity that it gives, and the number of components
+#: of that quantity; None for t, a scalar, and for spins, which may be any number.
 ARGUMENTS = {
     "t": ("t", None),
     "q_wxyz": ("q", 4),
@@ -49,12 +49,14 @@ class Made:
     noise_omega: float | None = None
 
     def settings(self) -> dict[str, str]:
-        """Return the settings in the form in which a file states them.
+        """Return all attributes but `order` as the settings that a recording's file would state.
+
+        Attributes that are None are left out.
 
         Raises
         ------
         ValueError
-            If a number is not positive, or a precision unknown.
+            If `order` cannot be used, a number is not positive, or the precision is unknown.
         """
         check_order(self.order)
         stated = {name: value for name, value in vars(self).items() if name != "order"}
@@ -71,7 +73,7 @@ def check_order(order: int) -> None:
 
 
 def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -> JudgedMotion:
-    """Return the judgement of a recorded motion: its errors, and what explains them.
+    """Return the judgement of a recorded motion: its errors, and the mistakes that explain them.
 
     Parameters
     ----------
@@ -81,8 +83,8 @@ def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -
     Raises
     ------
     ValueError
-        If an array has another shape, one is missing, or a quantity is given twice; and as for
-        `spincheck.judge`.
+        If an array is missing or has the wrong shape, if a quantity is given twice, or if the
+        motion cannot be compared with the exact one.
     """
     arrays: dict[str, FloatArray] = {}
     for name, values in arguments.items():
@@ -104,17 +106,18 @@ def judged(scenario: Scenario, arguments: Mapping[str, ArrayLike], made: Made) -
 
 
 def verdict_on(scenario: Scenario, motions: Sequence[JudgedMotion], order: int) -> Verdict:
-    """Return the verdict on a method, from its motions at halved timesteps.
+    """Return the verdict on a method, from its motions at timesteps halved again and again.
 
     Parameters
     ----------
+    motions : the result of `spincheck.judge` for each motion
     order : order of accuracy that the method has or claims
 
     Raises
     ------
     ValueError
-        If there are no motions, timesteps are unknown or not halved, or the motions share no sample
-        times.
+        If there are no motions, if their timesteps are unknown or not halves of one another, or if
+        they share no sample times.
     """
     check_order(order)
     if not motions or not all(isinstance(one, JudgedMotion) for one in motions):

@@ -20,7 +20,11 @@ from spincheck.scenarios import Scenario
 
 
 def single_run(scenario: Scenario, engine: str, method: str, timestep: float) -> Row:
-    """Return the row of one run of a scene, made in a worker process that is kept for later runs.
+    """Run a scene in a worker process, which is kept for later runs, and return the run's row.
+
+    Parameters
+    ----------
+    timestep : s
 
     Raises
     ------
@@ -42,7 +46,7 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
     ):
         try:
             run_study(plan([scenario], choice, store), choice, store, executor, lambda _: None)
-        except BaseException:  # an interrupt leaves a call under way
+        except BaseException:  # after an interrupt the worker may still be running the call
             executor.close()
             _workers.cache_clear()
             raise
@@ -55,11 +59,12 @@ def judged_gradients(
 ) -> list[GradientRow]:
     """Return a row with a verdict for each derivative of a method, and for central differences.
 
-    They are computed in the worker process of `single_run`.
+    The derivatives are computed in the worker process that `single_run` uses.
 
     Parameters
     ----------
-    timestep, window : as for `spincheck.gradients`, s
+    timestep : timestep of the steps over which gradients are compared, s; None for a default
+    window : time over which gradients are compared, s; None for a default
 
     Raises
     ------

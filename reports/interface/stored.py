@@ -18,8 +18,10 @@ class StoredResults:
 
     Attributes
     ----------
-    rows : the runs in which nothing is varied; those of ensembles are left out
-    verdicts : one for each scene and method: that on its ladder, or else the latest
+    rows : the runs in which nothing is varied: those on the members of ensembles, and those of
+        engines with some defaults switched off, are left out
+    verdicts : one for each scene and method: the verdict on its ladder; if there is none, the
+        latest verdict
     """
 
     rows: list[Row]
@@ -29,7 +31,7 @@ class StoredResults:
     def read(cls, path: Path) -> Self:
         """Return the runs and verdicts in a result file.
 
-        It raises `ResultFileError` as `spincheck.results` does.
+        `ResultFileError` is raised if the file is missing or cannot be read.
         """
         with open_store(path) as store:
             results = store.read()
@@ -38,7 +40,8 @@ class StoredResults:
     def rows_frame(self) -> Any:
         """Return the runs as a pandas `DataFrame` with a column for each field.
 
-        The errors are in columns of their own, as in `errors.omega`; motions are left out.
+        The error in each signal has a column of its own, such as `errors.omega`. Motions are left
+        out.
 
         Raises
         ------
@@ -50,7 +53,7 @@ class StoredResults:
     def verdicts_frame(self) -> Any:
         """Return the verdicts as a pandas `DataFrame` with a column for each field.
 
-        Each property that `MADE` names has a column, too.
+        Each property that `MADE` names, such as `reason`, has a column, too.
 
         Raises
         ------
@@ -63,4 +66,5 @@ class StoredResults:
 
 
 def _frame(records: Iterable[dict[str, Any]]) -> Any:
+    """Return records as a pandas `DataFrame`; a nested value has the column "outer.inner"."""
     return import_module("pandas").json_normalize(list(records))

@@ -27,24 +27,25 @@ def assert_matches_exact(
     spins: "ArrayLike | None" = None,
     **bounds: float,
 ) -> None:
-    """Raise if a motion is further from the exact one than bounds allow.
+    """Raise `AssertionError` if a motion is further from the exact one than bounds allow.
 
     Parameters
     ----------
-    scene, t, q_wxyz, q_xyzw, omega_body, omega_world, com, velocity, spins :
-        as for `spincheck.judge`
-    bounds : largest error of each signal that is to be checked, at least one: `attitude` in rad;
-        `omega`, `angular_momentum`, `energy`, `com_error`, `velocity_error` and `spins_error`,
-        relative. The last three bound the signals whose names are those of the arrays
+    scene : name in the library, path of a file, TOML tables as a dict, or a `Scenario`
+    t, q_wxyz, q_xyzw, omega_body, omega_world, com, velocity, spins : the motion, in the arrays
+        that `spincheck.judge` takes
+    bounds : the largest error allowed in each signal that is to be checked, at least one:
+        `attitude`, rad; `omega`, `angular_momentum` and `energy`, relative; `com_error`,
+        `velocity_error` and `spins_error`, relative, for the signals com, velocity and spins
 
     Raises
     ------
     AssertionError
-        With each signal that exceeds its bound, by how much, from when on, and the common mistake
-        that explains it, if one does.
+        Its message names each signal that exceeds its bound, by how much, and from when on. It
+        names the common mistake that explains the errors, if there is one.
     ValueError
-        If no bound is given; if one is not a positive number, names no signal, or one that was not
-        recorded; and as for `spincheck.judge`.
+        If no bound is given; if a bound is not a positive number, names no signal, or names one
+        that was not recorded; or if the arrays cannot be judged (`spincheck.judge`).
     """
     wanted = {name.removesuffix("_error"): bound for name, bound in bounds.items()}
     if unknown := [name for name in wanted if name not in SIGNAL]:

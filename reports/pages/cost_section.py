@@ -10,15 +10,15 @@ from .analysis.wording import NOTHING, number, plural
 from .analysis.work_precision import curves
 from .tables import Cell, Table, figure, named, records, table
 
-#: The errors of the columns by their headings.
+#: The error that each column of the table is about, by the column's heading.
 TO_LEVEL = {f"to {number(level, 1).removeprefix('1×')}": level for level in LEVELS}
 
 
 def median_table(gathered: ReportData) -> Table:
-    """Return a table of each method's median cost, CPU s a simulated s, at each level of error.
+    """Return a table of the median cost of each method, CPU s a simulated s, at several errors.
 
-    The median is over the scenes that the method can simulate. Cells have a second line: the number
-    of scenes on which the method reaches the error. The table is empty if no run was timed.
+    The median is over the scenes that the method can simulate. A second line in each cell has the
+    number of scenes on which the method reaches the error. The table is empty if no run was timed.
     """
     every = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
     if not any(curve.seconds_per_step for curves_of_scene in every for curve in curves_of_scene):
@@ -37,13 +37,13 @@ def median_table(gathered: ReportData) -> Table:
 
 
 def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
-    """Return a table of how much longer steps take with nothing left out, and a sentence.
+    """Return a table of how much longer steps take if nothing is left out, and a sentence.
 
-    The sentence says how many motions are the same to the last bit.
+    The sentence says how many motions are then the same to the last bit.
 
     Parameters
     ----------
-    costs : costs of varied engines, of which those with nothing left out are used
+    costs : costs of steps; only those of engines that leave nothing out are used
     """
     whole = [cost for cost in costs if cost.difference is not None]
     methods = sorted({cost.key.pair for cost in whole})
@@ -61,9 +61,9 @@ def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
 
 
 def _whole_cell(cost: MethodCost) -> Cell:
-    """Return a cell on steps with nothing left out: how much longer they take, and the motion.
+    """Return a cell that says how much longer steps take if nothing is left out.
 
-    The second line of the cell says how far the motion is off, or that it is identical.
+    Its second line says how far the motion is then off, or that it is identical.
     """
     ratio = cost.cost.ratio if cost.cost else None
     more = f"{ratio.median - 1:+.0%} ± {ratio.spread:.0%}" if ratio else NOTHING
@@ -72,5 +72,5 @@ def _whole_cell(cost: MethodCost) -> Cell:
     return Cell(more, "number", harm)
 
 
-#: The signal whose errors compare methods over all scenes; every scene's page has all signals.
+#: The signal in whose errors methods are compared over all scenes. Scenes' pages have all signals.
 COMPARED = "omega"

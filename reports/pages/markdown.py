@@ -1,4 +1,7 @@
-"""Converts a page to Markdown: its text, tables and code, without what only a browser draws."""
+"""Converts an HTML page of the report to Markdown: its text, tables and code.
+
+Elements that only a browser can draw, such as figures, are left out.
+"""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -6,12 +9,12 @@ from dataclasses import dataclass, field
 from html.parser import HTMLParser
 from typing import Any
 
-#: Elements that only a browser draws have this attribute, or one of these tags.
+#: Attribute and tags of elements that only a browser can draw.
 DRAWN = "data-drawn"
 ALWAYS_DRAWN = ("head", "script", "figure", "template", "svg", "button", "select", "label")
 #: Elements without an end tag.
 VOID = ("meta", "link", "input", "br", "hr")
-#: What a block begins with, by its tag.
+#: What a block begins with in Markdown, by its tag in HTML.
 BLOCKS = {"nav": "", "p": "", "summary": ""}
 BLOCKS |= {f"h{level}": f"{'#' * level} " for level in range(1, 5)}
 AROUND = {"strong": "**", "em": "*"}
@@ -28,7 +31,7 @@ def escaped(text: str) -> str:
 
 
 def code_block(text: str) -> str:
-    """Return a fenced block; its fence is longer than any run of backticks inside."""
+    """Return a text as a fenced code block, whose fence is longer than any backticks inside."""
     fence = "`" * max([3, *(len(run) + 1 for run in re.findall(r"`+", text))])
     end = "" if text.endswith("\n") else "\n"
     return f"{fence}\n{text}{end}{fence}"
@@ -40,7 +43,8 @@ def as_markdown(html: str, items: Sequence[Any]) -> str:
     Parameters
     ----------
     html : the page
-    items : the data that the page carries for its script, which include folded tables (`PageData`)
+    items : the data that the page carries for its script (`PageData.items`), among them tables that
+        the page shows on demand
     """
     parser = _Parser()
     parser.feed(html)
@@ -58,16 +62,19 @@ class _Element:
 
     @property
     def is_drawn(self) -> bool:
-        """Whether only a browser draws the element, so that it is left out."""
+        """Whether only a browser can draw the element, so that it is left out of Markdown."""
         return self.tag in ALWAYS_DRAWN or DRAWN in self.attributes
 
     @property
     def elements(self) -> list["_Element"]:
-        """The element's children that are elements, except those that are left out of Markdown."""
+        """The elements directly inside, except those that are left out of Markdown."""
         return [one for one in self.inside if isinstance(one, _Element) and not one.is_drawn]
 
     def all(self, *tags: str) -> Iterator["_Element"]:
-        """Yield the outermost elements inside that have one of some tags, in order."""
+        """Yield the elements inside that have one of the tags, in order.
+
+        Elements inside such an element are left out.
+        """
         for one in self.elements:
             if one.tag in tags:
                 yield one
@@ -80,7 +87,7 @@ class _Parser(HTMLParser):
 
     Attributes
     ----------
-    open : the elements that have not ended, the outermost first; the first of all is the page
+    open : the elements that have begun and not ended, the outermost first; the first is the page
     """
 
     def __init__(self) -> None:
@@ -88,14 +95,14 @@ class _Parser(HTMLParser):
         self.open = [_Element("", {})]
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Add an element to the innermost open one; open it unless it has no end tag."""
+        """Add a new element to the innermost open one; open it unless its tag is in `VOID`."""
         element = _Element(tag, dict(attrs))
         self.open[-1].inside.append(element)
         if tag not in VOID:
             self.open.append(element)
 
     def handle_endtag(self, tag: str) -> None:
-        """Close the innermost open element if it has the tag."""
+        """Close the innermost open element if it has this tag."""
         if tag == self.open[-1].tag:
             self.open.pop()
 
@@ -105,7 +112,12 @@ class _Parser(HTMLParser):
 
 
 def _blocks(element: _Element, items: Sequence[Any]) -> Iterator[str]:
-    """Yield the blocks of Markdown that an element and its inner elements make."""
+    """Yield the blocks of Markdown for the elements inside an element, nested ones included.
+
+    Parameters
+    ----------
+    items : the data that the page carries for its script, among them tables shown on demand
+    """
     for one in element.elements:
         if one.tag in BLOCKS:
             if line := _line(one):
@@ -127,17 +139,17 @@ def _blocks(element: _Element, items: Sequence[Any]) -> Iterator[str]:
 
 
 def _line(element: _Element) -> str:
-    """Return what is inside an element as one line of Markdown."""
+    """Return the contents of an element as one line of Markdown."""
     return _SPACES.sub(" ", _inline(element)).strip()
 
 
 def _inline(element: _Element) -> str:
-    """Return what is inside an element as Markdown; white space is left as it is."""
+    """Return the contents of an element as Markdown, which may still have line breaks."""
     return "".join(_spaced(one) if isinstance(one, str) else _marked(one) for one in element.inside)
 
 
 def _spaced(text: str) -> str:
-    """Return text escaped, with white space at either end reduced to one space."""
+    """Return a text escaped for Markdown, with white space at either end reduced to one space."""
     after = text[-1:].isspace() and not text.isspace()
     return f"{' ' * text[:1].isspace()}{escaped(text)}{' ' * after}"
 
@@ -157,7 +169,7 @@ def _marked(element: _Element) -> str:
 
 
 def _target(link: str) -> str:
-    """Return the address of the Markdown page that stands for the HTML page of a link."""
+    """Return the address of the Markdown page that corresponds to the HTML page of a link."""
     page = link.partition("#")[0].replace("index.html", "report.md")
     return page.removesuffix(".html") + ".md" if page.endswith(".html") else page
 
@@ -168,7 +180,7 @@ def _text(element: _Element) -> str:
 
 
 def _table(element: _Element) -> str:
-    """Return a table, of which the first row is the headings."""
+    """Return a table in Markdown; its first row has the headings."""
     heads, bodies = element.all("thead"), element.all("tbody")
     return _lines([_cells(row) for part in (*heads, *bodies) for row in part.all("tr")])
 
@@ -179,11 +191,11 @@ def _cells(row: _Element) -> list[str]:
 
 
 def _packed_cell(cell: list[str]) -> str:
-    """Return as Markdown a cell in the form in which a page carries it for its script.
+    """Return, as Markdown, a cell of a table that a page carries for its script.
 
     Parameters
     ----------
-    cell : text, kind, detail and link, of which empty ones at the end are missing
+    cell : text, kind, detail, link and note of the cell, without empty ones at the end
     """
     text, _, detail, link = [*cell, "", "", ""][:4]
     shown = f"[{escaped(text)}]({_target(link)})" if link else escaped(text)
@@ -191,6 +203,6 @@ def _packed_cell(cell: list[str]) -> str:
 
 
 def _lines(rows: list[list[str]]) -> str:
-    """Return rows of cells as a table in Markdown, the first of which is the headings."""
+    """Return rows of cells as a table in Markdown; the first row has the headings."""
     headings, *others = (f"| {' | '.join(row)} |" for row in rows)
     return "\n".join([headings, f"|{' --- |' * len(rows[0])}", *others])

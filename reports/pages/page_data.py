@@ -1,7 +1,7 @@
 """Data for a page's script: figures, motions and folded tables, compressed in one element.
 
-An array is carried as whole multiples of a step, of which differences of some order are taken. For
-a smooth line these are small numbers, and deflate stores each in about a byte.
+An array is rounded to whole multiples of a step, and differences of neighbours are taken one or
+several times. For a smooth line these are small numbers, and deflate stores each in about a byte.
 """
 
 import base64
@@ -16,22 +16,22 @@ from numpy.typing import NDArray
 from ...scenarios import FloatArray
 from .tables import Table
 
-#: Highest order of differences: the rounding to a step grows by a factor of two with each order.
+#: Highest order of differences. With each order, the noise by rounding to a step doubles.
 HIGHEST_ORDER = 6
-#: Largest multiple of the step that is carried; larger values, none of which is drawn, are cut to
-#: it. Sums of differences up to it are exact in a double.
+#: Largest multiple of the step that is carried. Larger values, none of which is drawn, are replaced
+#: by it. Sums of differences up to this size are exact in a double.
 LARGEST = 1 << 40
 
 
 @dataclass(frozen=True, eq=False)
 class Differences:
-    """An array, rounded to whole multiples of a step.
+    """An array that is rounded to whole multiples of a step and stored as differences.
 
     Attributes
     ----------
     step : size of the step, in the unit of the array
     order : how many times differences of neighbours were taken; each time the first number is kept
-    values : the differences, whole numbers, (n,)
+    values : the differences, in steps, whole numbers, (n,)
     gaps : indices at which the array is NaN
     """
 
@@ -53,13 +53,13 @@ class Differences:
 
 
 def differenced(values: FloatArray, step: float) -> Differences:
-    """Return values, (n,), rounded to multiples of a step, as differences of the best order.
+    """Return values, (n,), rounded to multiples of a step, as differences of some order.
 
-    The best order is that whose differences have the least sum of sizes.
+    The order is chosen for which the absolute values of the differences have the least sum.
 
     Parameters
     ----------
-    step : above 0, in the unit of the values
+    step : size of the step, above 0, in the unit of the values
     """
     gaps = tuple(np.flatnonzero(np.isnan(values)).tolist())
     drawable = np.clip(np.where(np.isnan(values), 0.0, values), -LARGEST * step, LARGEST * step)
@@ -72,7 +72,12 @@ def differenced(values: FloatArray, step: float) -> Differences:
 
 
 class PageData:
-    """The data that one page carries for its script: items, identified by their numbers."""
+    """The data that a page carries for its script: items, each identified by its number.
+
+    Attributes
+    ----------
+    items : the items; the number of an item is its index
+    """
 
     def __init__(self) -> None:
         self.items: list[Any] = []
@@ -82,13 +87,13 @@ class PageData:
 
         Parameters
         ----------
-        item : what JSON can hold; arrays in it must already be `Differences`
+        item : a value that JSON can hold; arrays in it must be `Differences`
         """
         self.items.append(item)
         return len(self.items) - 1
 
     def add_table(self, table: Table) -> int:
-        """Add a table and return its number; cells are carried without empty parts at their end."""
+        """Add a table and return its number; empty texts at the end of a cell are dropped."""
         rows = [
             [_trimmed([c.text, c.kind, c.detail, c.link, c.note]) for c in row]
             for row in table.rows
@@ -96,9 +101,9 @@ class PageData:
         return self.add({"headings": table.headings, "rows": rows})
 
     def encoded(self) -> str:
-        """Return all items as text for the page.
+        """Return all items as a text for the page.
 
-        They are JSON, a NUL and the arrays, deflated (zlib, RFC 1950), in base64.
+        It is the base64 form of a zlib stream (RFC 1950) of JSON, a NUL byte and the arrays.
         """
         arrays = bytearray()
 
@@ -120,7 +125,7 @@ class PageData:
 
 
 def _trimmed(texts: list[str]) -> list[str]:
-    """Remove empty texts at the end of a list, but not the first, in place; return the list."""
+    """Remove empty texts at the end of a list, in place, and return it; its first text is kept."""
     while len(texts) > 1 and not texts[-1]:
         texts.pop()
     return texts

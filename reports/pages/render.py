@@ -37,7 +37,8 @@ from .scene.scene_answer import gains_shown_at_first, scene_answer, shown_at_fir
 from .tables import table
 from .templating import ReportFolder, templates, write_assets
 
-#: Modules whose constants the text of the protocol quotes, and other quoted numbers.
+#: What the text of the protocol quotes, by name: the formulas of rates, and modules, for their
+#: constants.
 RULES: dict[str, Any] = {
     "rates": " and ".join(e.rate_formula for e in EFFECTS.values() if e.rate_formula),
 } | {
@@ -47,9 +48,9 @@ RULES: dict[str, Any] = {
         *(intervals, solution, step_cost, worker_slot),
     )
 }
-#: Plotly's file, deflated, which `figures.js` unpacks.
+#: Name of the file with Plotly's script, compressed, which `figures.js` unpacks.
 PLOTLY = "plotly.js"
-#: Spincheck's own scripts, written as they are.
+#: Spincheck's own style sheets and scripts, which are not compressed.
 ASSETS = (
     "style.css",
     "scene.css",
@@ -59,16 +60,16 @@ ASSETS = (
     "motion.js",
     "player.js",
 )
-#: Timestep, s, and integrator of the MJCF that a page shows; the MJCF of runs differs only in
-#: these.
+#: Timestep, s, and integrator in the MJCF file that a page shows. The files that were run differ
+#: from it only in these.
 SHOWN_TIMESTEP, SHOWN_INTEGRATOR = 0.002, "RK4"
 
 
 def render(results: Results, folder: Path) -> Path:
     """Write a report into a folder; return the path of its first page, index.html.
 
-    It has report.md, assets/ and a page for each scene, too. The same results give the same files,
-    byte for byte; files of an earlier report are removed.
+    The report also has report.md, assets/ and a page for each scene. The same results give the same
+    files, byte for byte. Files of an earlier report are removed.
 
     Raises
     ------
@@ -123,7 +124,7 @@ def _write_scenes(
 
 
 def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
-    """Return what the template of the first page shows, by the names that it uses."""
+    """Return what the first page shows, by the names that its template uses."""
     plain = gathered.plain
     return {
         "answer": answer(gathered, results.costs),
@@ -135,7 +136,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
         "at_stock": overview.at_stock(plain),
         "methods": overview.methods_table(plain),
         "costs": median_table(plain),
-        # The complaints include those on hard scenes.
+        # Failures on hard scenes are listed, too; other complaints are on plain scenes alone.
         "complaints": [
             overview.complaints(gathered, lambda kind: kind.fails),
             overview.complaints(plain, lambda kind: kind.is_unproven),
@@ -147,7 +148,7 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
 
 
 def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any]:
-    """Return what the first page shows of hard scenes: scenes, text and table."""
+    """Return what the first page shows about hard scenes: scenes, a text and a table."""
     scenes = overview.hard_scenes(gathered)
     are = "scene is" if len(scenes) == 1 else "scenes are"
     count = f"{len(scenes)} {are}"
@@ -159,7 +160,7 @@ def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:
-    """Return what the templates of a scene's page show, by the names that they use."""
+    """Return what a scene's page shows, by the names that its templates use."""
     content: dict[str, Any] = {
         "scene": scene,
         "answer": scene_answer(scene),
@@ -182,7 +183,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
 
 
 def _models(scenario: Scenario) -> dict[str, str]:
-    """Return the texts of the scene's MJCF and URDF models, by the names of their files."""
+    """Return the texts of a scene's MJCF and URDF models, by the names of their files."""
     return {
         f"{scenario.name}.xml": mjcf(scenario, SHOWN_TIMESTEP, SHOWN_INTEGRATOR),
         f"{scenario.name}.urdf": urdf(scenario),

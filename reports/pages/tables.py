@@ -1,4 +1,4 @@
-"""Tables for HTML and Markdown: headings with units, cells of text, and links."""
+"""Tables for pages in HTML and Markdown, and the addresses of pages that their links point to."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ def scene_page(name: str) -> str:
 
 
 def method_anchor(engine: str, method: str) -> str:
-    """Return the anchor of a method's verdict on a scene's page, to which links point."""
+    """Return the anchor of a method's verdict on a scene's page, for links to it."""
     return ":".join(("method", _plain(engine), _plain(method)))
 
 
 def _plain(text: str) -> str:
-    """Return a text in which all but ASCII letters, digits, - and _ are written as code points."""
+    """Return a text for an anchor: all but ASCII letters, digits, - and _ become code points."""
     return "".join(
         c if c.isascii() and (c.isalnum() or c in "-_") else f".{ord(c):x}." for c in text
     )
@@ -30,6 +30,7 @@ class Cell:
 
     Attributes
     ----------
+    text : the text that is shown
     kind : CSS class by which the style sheet colours or aligns the cell, such as "number", "name"
         or the word of a verdict
     detail : a second, smaller line; in Markdown it follows in brackets
@@ -50,7 +51,9 @@ class Table:
 
     Attributes
     ----------
-    anchors : targets of links, one for each row; none if empty
+    headings : headings of the columns
+    rows : the cells of each row
+    anchors : targets of links, one for each row; empty if rows have none
     """
 
     headings: tuple[str, ...]
@@ -65,6 +68,8 @@ class Captioned:
     Attributes
     ----------
     label : the title
+    sentence : what the table shows
+    table : the table
     folded : whether the page shows the table only on demand
     """
 
@@ -75,7 +80,7 @@ class Captioned:
 
 
 def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Table:
-    """Return a table; plain strings become plain cells."""
+    """Return a table of headings and rows; strings in rows become cells without kind or link."""
     return Table(
         tuple(headings),
         tuple(
@@ -85,13 +90,13 @@ def table(headings: Iterable[str], rows: Iterable[Iterable[Cell | str]]) -> Tabl
 
 
 def records(rows: Iterable[Mapping[str, Cell | str]]) -> Table:
-    """Return a table of records with their keys as headings; without records it is empty."""
+    """Return a table of records, whose keys become the headings; it is empty without records."""
     rows = list(rows)
     return table(rows[0] if rows else (), (row.values() for row in rows))
 
 
 def figure(text: str) -> Cell:
-    """Return a cell that shows a number."""
+    """Return a cell that shows a number, given as text."""
     return Cell(text, "number")
 
 

@@ -1,4 +1,4 @@
-"""Templates of pages with their style sheets, scripts and Markdown, and the folder of a report."""
+"""Templates of pages, with style sheets, scripts and Markdown; the folder of a report."""
 
 import errno
 import re
@@ -18,8 +18,8 @@ from .analysis.wording import count, number
 from .markdown import escaped
 from .tables import scene_page
 
-#: Raw HTML is shown as text, and images and links as they are written, so that a report loads
-#: nothing.
+#: The converter from Markdown to HTML. Raw HTML, images and links stay text, so that a report loads
+#: nothing from elsewhere.
 _READER = (
     MarkdownIt("commonmark", {"html": False})
     .enable("table")
@@ -28,15 +28,15 @@ _READER = (
 
 
 def to_html(text: str) -> str:
-    """Return Markdown as HTML; HTML in the text itself is shown as text."""
+    """Return a text in Markdown as HTML; tags in the text are not interpreted."""
     return str(_READER.render(text))
 
 
-#: Name of the file that lists what was written, one relative path a line.
+#: Path of the file that lists the files of a report, one relative path a line.
 LIST = "assets/files.txt"
-#: Largest number of bytes of that list that are read; a report of 10⁵ scenes has fewer.
+#: Largest number of bytes that are read of that file; for a report of 10⁵ scenes it is smaller.
 LONGEST_LIST = 1 << 24
-#: Pattern of the paths of files that a report can have written, among them those of scenes.
+#: Pattern of the relative paths that files of a report can have. Only such files are ever removed.
 _OWN = re.compile(
     r"index\.html|report\.md|assets/(?P<asset>[a-z]+\.(js|css)|files\.txt)"
     r"|scenes/(?P<scene>[^/]+)\.(html|md|xml|urdf)"
@@ -44,21 +44,21 @@ _OWN = re.compile(
 
 
 class ReportFolder:
-    """A folder that pages are written to: a new or empty one, or that of an earlier report.
+    """The folder that a report is written to: a new or empty one, or that of an earlier report.
 
-    It is created if there is none, and a list of the files of a report is written into it.
+    It is created if it does not exist. A list of the report's files is written into it.
 
     Raises
     ------
     OSError
-        If the folder cannot be written, or has files, but not the list that a report writes.
+        If the folder cannot be written, or if it has files but no list of a report's files.
     """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._written: list[str] = []
         folder.mkdir(parents=True, exist_ok=True)
-        # Hidden files belong to whatever publishes the folder.
+        # Hidden files, such as those of a service that publishes the folder, may be there.
         others = [entry.name for entry in folder.iterdir() if not entry.name.startswith(".")]
         if others and not (folder / LIST).is_file():
             words = f"it holds '{min(others)}' and no report; give a new or an empty folder"
@@ -71,7 +71,7 @@ class ReportFolder:
 
         Parameters
         ----------
-        name : path relative to the folder, with `/`
+        name : path relative to the report's folder, with `/` between its parts
 
         Raises
         ------
@@ -88,7 +88,10 @@ class ReportFolder:
         return path
 
     def finish(self) -> None:
-        """Remove the files that an earlier report wrote and this one did not; leave all others."""
+        """Remove files of an earlier report that this one did not write; update the list of files.
+
+        Other files in the folder are left alone.
+        """
         for name in self._earlier - set(self._written):
             path = self._folder / name
             if path.is_file() and not path.parent.is_symlink():
@@ -96,9 +99,9 @@ class ReportFolder:
         self.write(LIST, "\n".join(sorted(set(self._written))) + "\n")
 
     def _listed(self) -> set[str]:
-        """Return the names of the files that an earlier report wrote, from its list.
+        """Return the relative paths of the files that an earlier report wrote, from its list.
 
-        Names that no report can have are ignored.
+        Paths that no file of a report can have are ignored.
         """
         try:
             content = read_regular(self._folder / LIST, LONGEST_LIST)
@@ -110,14 +113,14 @@ class ReportFolder:
 
 
 _HERE = Path(str(files(__package__)))
-#: Folders of templates, one for each page, and `templates` for what pages share; no two templates
-#: have the same name.
+#: Folders of templates: one for each page, and `templates` for what pages share. Names of templates
+#: are unique over all folders.
 FOLDERS = sorted(path for path in _HERE.iterdir() if path.is_dir())
 
 
 @cache
 def templates() -> Environment:
-    """Return the environment that renders the pages' templates; values in HTML are escaped."""
+    """Return the Jinja environment of the pages' templates, which escapes values in HTML."""
     environment = Environment(
         loader=FileSystemLoader(FOLDERS),
         autoescape=select_autoescape(["html"]),
@@ -139,7 +142,7 @@ def templates() -> Environment:
 
 
 def source(name: str) -> str:
-    """Return the text of a style sheet, which is a template, or of a script, which is not."""
+    """Return the text of a style sheet or script; a style sheet is a template and is rendered."""
     environment = templates()
     if name.endswith(".css"):
         return environment.get_template(name).render()

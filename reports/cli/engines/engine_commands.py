@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
-#: Width of a line, and of a method's name in it, characters.
+#: Width of a line, and of the column of methods' names in it, characters.
 WIDTH, NAMES = 80, 26
 
 
@@ -70,9 +70,9 @@ def list_engines(
 
 
 def _methods_of(engine: "Engine") -> Iterator[str]:
-    """Yield lines for an engine and each of its methods, with what the method cannot simulate.
+    """Yield a line for an engine, and one for each method, with effects that it cannot simulate.
 
-    The last line is empty; long lines are wrapped.
+    Long lines are wrapped. The last line is empty.
     """
     from ....scenarios import EFFECTS
 

@@ -13,7 +13,7 @@ from ..choosing import choose, compile_first, executor_for
 from ..named_scenes import scenes_to_run
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say, table
 
-#: Costs below this, in units of the cost of a step, are printed with one decimal.
+#: Costs below this many steps are printed with one decimal, others with none.
 DIGIT = 10.0
 
 
@@ -25,22 +25,21 @@ def gradients(
     window: float | None,
     time_limit: float | None,
 ) -> list[GradientRow]:
-    """Return verdicts on the derivatives of methods' steps, each announced on stderr.
-
-    Methods as shipped are judged only if they are named.
+    """Return verdicts on the derivatives of methods' steps; print on stderr which is judged next.
 
     Parameters
     ----------
     scenes : files, folders or names of library scenes
-    engine, method : names of engines and methods; if empty, all engines that are not optional, and
-        all methods that are not as shipped
-    timestep, window : timestep, and length of the window over which gradients of many steps are
-        compared, s; chosen for the scene if None
+    engine : names of engines; if empty, all that are not optional
+    method : names of methods; if empty, all that are not as shipped
+    timestep : timestep of the steps over which gradients are compared, s; chosen for the scene if
+        None
+    window : time over which gradients through many steps are compared, s; 512 steps if None
     time_limit : CPU time that a run may take, s; the default if None
 
     Returns
     -------
-    A row for each derivative that a method offers on a scene.
+    A row for each scene, method and derivative that the method offers.
 
     Raises
     ------
@@ -69,7 +68,7 @@ def gradients(
 
 
 def print_gradients(rows: Sequence[GradientRow]) -> None:
-    """Print tables of verdicts and of gradients over the longest windows, and reasons between."""
+    """Print a table of verdicts, then their reasons, then a table of gradients over windows."""
     table(list(map(_found, rows)))
     for row in rows:
         if row.judged.reason:
@@ -85,9 +84,9 @@ def gradients_as_json(rows: Sequence[GradientRow]) -> list[dict[str, Any]]:
 
 
 def exit_code(rows: Sequence[GradientRow]) -> int:
-    """Return the exit code: 1 if a derivative is wrong or fails, 3 if none is shown to be right.
+    """Return the exit code: 1 if a derivative is wrong or fails, else 0 if one converges, else 3.
 
-    It is 0 otherwise.
+    A derivative also counts as wrong if it is not the derivative of the engine's own step.
     """
     if any(VERDICT[row.judged.verdict].fails or row.judged.is_own is False for row in rows):
         return DISAGREES
@@ -95,7 +94,7 @@ def exit_code(rows: Sequence[GradientRow]) -> int:
 
 
 def median_and_quartiles(costs: Sequence[float]) -> str:
-    """Return the median of costs with both quartiles, as "12 (10 to 15)"; empty without costs."""
+    """Return the median and quartiles of costs, such as "12 (10 to 15)"; empty without costs."""
     if not costs:
         return ""
     low, middle, high = (
@@ -105,7 +104,7 @@ def median_and_quartiles(costs: Sequence[float]) -> str:
 
 
 def _found(row: GradientRow) -> dict[str, object]:
-    """Return a derivative's verdict as a row of a table."""
+    """Return the verdict on a derivative as a row of a table."""
     return {
         "scene": row.scene,
         "engine": row.engine,
@@ -120,7 +119,7 @@ def _found(row: GradientRow) -> dict[str, object]:
 
 
 def useless(row: GradientRow) -> str:
-    """Return the time, s, from which on gradients are as wrong as zeros would be, as text.
+    """Return, as text, the time, s, from which on gradients are no better than zeros.
 
     The conditioning at that time follows in brackets. The text is empty if there is no such time.
     """
@@ -129,7 +128,7 @@ def useless(row: GradientRow) -> str:
 
 
 def _windows(rows: Sequence[GradientRow]) -> Iterator[dict[str, object]]:
-    """Yield a row of a table for each derivative that was compared over windows."""
+    """Yield a table row for each derivative with gradients over windows, about the longest one."""
     for row in rows:
         if row.window:
             last = row.window[-1]

@@ -158,9 +158,9 @@ MOST_SAMPLES = 21
 
 
 def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: float) -> str:
-    """Return the text of a stand-alone file that repeats one run of an engine.
+    """Return the text of a stand-alone program that repeats one run of an engine.
 
-    It is in the language of the engine's scripts, Python or JavaScript.
+    The program is in Python or JavaScript, whichever the engine's scripts are in.
 
     Parameters
     ----------
@@ -169,8 +169,8 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
     Raises
     ------
     Complaint
-        If the method cannot simulate the scene, the engine has no scripts, the scene has no exact
-        motion, or the timestep does not suit it.
+        If the method cannot simulate the scene, the engine writes no scripts, the scene's motion
+        cannot be solved, or the timestep does not suit the scene.
     """
     if reason := engine.unsupported(scenario, method):
         raise Complaint(reason)
@@ -195,7 +195,7 @@ def reproduction(scenario: Scenario, engine: Engine, method: Method, timestep: f
 
 
 def _without_script(scenario: Scenario, engine: Engine) -> str:
-    """Return the message that an engine cannot write scripts; it names the engines that can."""
+    """Return the message that an engine writes no scripts, with the names of those that do."""
     able = [one.name for one in engines().values() if _writes(one, scenario)]
     return f"'--engine' must be one of {', '.join(able)}, which write scripts, got '{engine.name}'"
 
@@ -203,7 +203,7 @@ def _without_script(scenario: Scenario, engine: Engine) -> str:
 def _writes(engine: Engine, scenario: Scenario) -> bool:
     """Whether an engine writes stand-alone scripts.
 
-    It counts as able to if it refuses this scene alone, by an `EngineError`.
+    An engine that raises `EngineError` does write scripts: it only refuses this scene.
     """
     try:
         return bool(engine.script(scenario, engine.methods[0], 1.0))
@@ -212,12 +212,12 @@ def _writes(engine: Engine, scenario: Scenario) -> bool:
 
 
 def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:
-    """Return the code after the script, which compares its run with exact values and prints errors.
+    """Return the code that follows the script: it compares the run with exact values.
 
     Parameters
     ----------
-    solution : the exact motion at the times of the samples, up to `MOST_SAMPLES` of which are used
-    steps : numbers of steps up to these times, (n,)
+    solution : the exact motion at the n times of the samples; `MOST_SAMPLES` at most are used
+    steps : number of steps up to each of these times, (n,)
     """
     motion = solution.trajectory
     kept = np.unique(np.linspace(0, len(motion.t) - 1, MOST_SAMPLES).round().astype(int))

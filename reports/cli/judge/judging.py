@@ -22,7 +22,7 @@ from ..choosing import compile_first
 from ..grouped import angle, number
 from ..terminal import AGREES, DISAGREES, Complaint, as_complaint, table, written
 
-#: Width at which reasons are wrapped.
+#: Width at which sentences are wrapped, characters.
 WIDTH = 80
 
 
@@ -32,9 +32,9 @@ class Judgement:
 
     Attributes
     ----------
-    motions : the motions, by the path of their file
-    order : order of accuracy of the method that made them
-    beyond : a sentence for each error bound, given by the user, that a motion exceeds
+    motions : each motion with its errors, by the path of its file
+    order : order of accuracy of the method that made the motions
+    beyond : a sentence for each error that is larger than the bound that the user gave
     """
 
     scenario: Scenario
@@ -57,7 +57,7 @@ class Judgement:
 
     @cached_property
     def verdict(self) -> Verdict | None:
-        """The verdict on several files; None for a single one."""
+        """The verdict on several files; None for a single file."""
         return verdict_on_files(self.study) if len(self.motions) > 1 else None
 
     @property
@@ -65,8 +65,8 @@ class Judgement:
         """The program's exit code: 1 if a motion is wrong or exceeds a bound of the user's, else 0.
 
         A motion is wrong if a common mistake explains its errors. A single motion is also wrong if
-        its error is larger than that of a method of its order; several motions are also wrong if
-        the verdict on them is.
+        its error is larger than that of a method of its order. Several motions are also wrong if
+        they do not agree with the exact motion, by the verdict on them.
         """
         motions = self.motions.values()
         # Of several files, the verdict judges the size of errors, and not a file's `is_beyond`.
@@ -86,13 +86,13 @@ def judged_files(
     noise: Sequence[str],
     order: int,
 ) -> Judgement:
-    """Return recorded motions, read from files, compared with the exact motion.
+    """Read recorded motions from files and compare them with the exact motion.
 
     Parameters
     ----------
-    quaternion, omega : order of a quaternion's components, "wxyz" or "xyzw", and axes of ω, "body"
-        or "world"; None leaves them to the files
-    timesteps : the timestep of each file, s; empty leaves them to the files
+    quaternion : order of a quaternion's components, "wxyz" or "xyzw"; None if the files state it
+    omega : axes of ω, "body" or "world"; None if the files state them
+    timesteps : timestep of each file, s; empty if the files state them
     bounds, noise : the values of '--fail-above' and '--noise', as typed: SIGNAL=SIZE
     order : order of accuracy of the method that made the motions
 
@@ -107,12 +107,12 @@ def judged_files(
         )
     wanted = dict(_bound("--fail-above", bound) for bound in bounds)
     stated = _words(quaternion=quaternion, omega=omega) | _noise(noise)
-    # Checked before anything that takes half a minute the first time.
+    # Files are checked before the solver is compiled, which takes half a minute the first time.
     with as_complaint(RecordingError):
         recordings = [read_recording(file) for file in files]
     compile_first()
     motions = {}
-    # Of several files, the verdict judges the order; each by itself is judged as of order 1.
+    # The order of several files is left to the verdict; each file alone is judged as of order 1.
     claimed = order if len(files) == 1 else 1
     for file, recording, timestep in zip_longest(files, recordings, timesteps):
         made = {} if timestep is None else {"timestep": repr(timestep)}
@@ -127,7 +127,7 @@ def judged_files(
 
 
 def write_page(judgement: Judgement, folder: Path) -> Path:
-    """Write the scene's page, as in a report, with the files as the runs of one method.
+    """Write a report whose runs are the recorded files, all of one method.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
 
     Returns
     -------
-    The path of the page.
+    The path of the scene's page.
 
     Raises
     ------
@@ -151,11 +151,11 @@ def write_page(judgement: Judgement, folder: Path) -> Path:
 
 
 def _words(**options: str | None) -> dict[str, str]:
-    """Return the options that were given, in the form in which a file states them.
+    """Return the options that were given, as settings that a recording's file would state.
 
     Parameters
     ----------
-    options : values that are words, such as "wxyz", by the option's name; None if not given
+    options : values, which are words such as "wxyz", by the option's name; None if not given
 
     Raises
     ------
@@ -170,9 +170,9 @@ def _words(**options: str | None) -> dict[str, str]:
 
 
 def _noise(stated: Sequence[str]) -> dict[str, str]:
-    """Return the noise of attitude, rad, and ω, rad/s, in the form in which a file states it.
+    """Return the noise of attitude, rad, and ω, rad/s, as settings of a recording's file.
 
-    It raises a `Complaint` for another signal.
+    A `Complaint` is raised for any other signal.
 
     Parameters
     ----------
@@ -185,10 +185,10 @@ def _noise(stated: Sequence[str]) -> dict[str, str]:
 
 
 def _bound(option: str, text: str) -> tuple[str, float]:
-    """Return the signal and the size that the value of an option, SIGNAL=SIZE, states.
+    """Return signal and size from the text SIGNAL=SIZE, the value of an option.
 
-    The size is in rad for the attitude, else the number as typed. A `Complaint` that names the
-    option is raised if the text has another form, or if the size is negative or not finite.
+    The size of the attitude is in rad; any other size is the number as typed. A `Complaint` that
+    names the option is raised for a text of another form, and for a negative or infinite size.
     """
     name, _, size = text.partition("=")
     if name not in SIGNAL:
@@ -205,7 +205,7 @@ def _bound(option: str, text: str) -> tuple[str, float]:
 
 
 def judgement_as_json(judgement: Judgement) -> dict[str, Any]:
-    """Return a judgement as a JSON object: each file's errors with their causes; the verdict."""
+    """Return a judgement as a JSON object: the errors of each file, and the verdict on all."""
     return {
         "scenario": judgement.scenario.name,
         "files": [
@@ -218,7 +218,7 @@ def judgement_as_json(judgement: Judgement) -> dict[str, Any]:
 
 
 def print_judgement(judgement: Judgement) -> None:
-    """Print each file's errors, the mistakes that explain them, and the bounds exceeded."""
+    """Print each file's errors and what explains them, the verdict, and the bounds exceeded."""
     for name, motion in judgement.motions.items():
         print("\n".join(_lines(name, motion)))
         table(_rows(motion))
@@ -258,7 +258,7 @@ def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
 
 
 def _rows(motion: JudgedMotion) -> list[dict[str, object]]:
-    """Return a row of a table for each signal: the error, and the median and largest defect."""
+    """Return a table row for each signal: the largest error, and the median and largest defect."""
     rows: list[dict[str, object]] = []
     for name, error in motion.errors.items():
         signal, defect = SIGNAL[name], motion.defects.get(name)

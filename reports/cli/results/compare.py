@@ -14,13 +14,13 @@ from ..terminal import AGREES, DISAGREES, Complaint, table
 
 
 def compare(old: str, new: str, stored: Path) -> list[Change]:
-    """Return what changed from one result file, or one engine, to another.
+    """Return the changes from one result file to another, or from one engine to another.
 
     Parameters
     ----------
-    old, new : paths of two result files, or names of two engines in `stored`, of which at least one
-        is another version, such as "mujoco@3.3.0", or another encoding, such as "mujoco as welded"
-    stored : the result file in which engines are compared
+    old, new : paths of two result files, or names of two engines; at least one of the names has a
+        version, such as "mujoco@3.3.0", or an encoding, such as "mujoco as welded"
+    stored : the result file that has the results of both engines; not used for two files
 
     Raises
     ------
@@ -40,10 +40,10 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
 
 
 def changes_between_versions(results: Results, older: str, newer: str) -> list[Change]:
-    """Return what changed from one engine's results to another engine's, in the same result file.
+    """Return the changes from the results of one engine to those of another, in one result file.
 
-    The engine of each change is written as "mujoco@3.3.0 → 4.0.0". A `Complaint` is raised if the
-    file has no verdict on one of the engines.
+    Each change names the engines as in "mujoco@3.3.0 → 4.0.0". A `Complaint` is raised if the file
+    has no verdict on one of them.
     """
     for name in (older, newer):
         if not any(verdict.key.engine == name for verdict in results.verdicts):
@@ -56,12 +56,12 @@ def changes_between_versions(results: Results, older: str, newer: str) -> list[C
 
 
 def _alone(results: Results, engine: str, name: str) -> Results:
-    """Return the runs and verdicts of one engine alone, under another name.
+    """Return the runs and verdicts of one engine, under another name.
 
     Parameters
     ----------
-    engine : the engine whose results are kept
-    name : the name that both engines get, so that their results are compared with each other
+    engine : the engine whose runs and verdicts are kept
+    name : the name in place of the engine's; both engines get it, as results are compared by name
     """
     rows = [row for row in results.rows if row.key.engine == engine]
     verdicts = [verdict for verdict in results.verdicts if verdict.key.engine == engine]
@@ -78,9 +78,9 @@ def exit_code(changes: Sequence[Change]) -> int:
 
 
 def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
-    """Return all changes, one by one, as a JSON object, with the number of regressions.
+    """Return all changes, with the number of regressions, as a JSON object.
 
-    The factors by which a number must differ to count as changed are there, too.
+    It also has the factors by which errors and costs must differ to count as changed.
     """
     return {
         "regressions": sum(change.regression for change in changes),
@@ -91,9 +91,9 @@ def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
 
 
 def print_changes(changes: Sequence[Change]) -> None:
-    """Print the changes as a table with a line for each group that `_grouped` makes.
+    """Print the changes as a table; errors of a method that all grew, or all shrank, share a line.
 
-    The line of a group shows its largest change.
+    That line shows the largest of these changes.
     """
     if not changes:
         print("nothing changed")
@@ -106,8 +106,8 @@ def print_changes(changes: Sequence[Change]) -> None:
 def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
     """Return the changes in groups, each of which is printed as one line.
 
-    Errors of a method on a scene that all grew, or all shrank, are a group; any other change is a
-    group of its own.
+    All errors of a method on a scene that grew are one group, all that shrank another. Any other
+    change is a group of its own.
     """
     groups: dict[object, list[Change]] = {}
     for number, change in enumerate(changes):
@@ -117,7 +117,7 @@ def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
 
 
 def _line(group: Sequence[Change]) -> dict[str, object]:
-    """Return a group of changes as a row of a table: its largest change."""
+    """Return a row of a table that shows the largest change of a group."""
     most = max(group, key=_ratio)
     what = most.name
     if most.kind == "error":
@@ -137,9 +137,9 @@ def _line(group: Sequence[Change]) -> dict[str, object]:
 
 
 def _ratio(change: Change) -> float:
-    """Return the factor between the two values of a change, at least 1, inf if one is zero.
+    """Return the larger of a change's two values over the smaller, inf if the smaller is zero.
 
-    It is 0 for a change of something else than an error or a cost.
+    It is 0 if the values are not both numbers, for example if one is missing.
     """
     if not isinstance(change.old, float) or not isinstance(change.new, float):
         return 0.0

@@ -10,22 +10,22 @@ import typer
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
 from ..terminal import Complaint, say, to_json
 
-#: Characters that a formula begins with, and white space that spreadsheets skip before one.
+#: Characters with which spreadsheets let a formula begin, after white space too.
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
 
 
 def csv_text(records: Sequence[Mapping[str, object]]) -> str:
-    """Return records as CSV: a line of names, then a line for each; numbers have all digits.
+    """Return records as CSV: a line of names, then a line for each record.
 
-    A missing value is an empty cell. A dictionary inside a record has a column for each of its
-    entries, as in ``drifts.energy``; a list is joined by semicolons. A text that a spreadsheet
-    would take for a formula begins with an apostrophe
+    Numbers have all digits. A missing value is an empty cell. A dictionary inside a record has a
+    column for each of its entries, such as ``drifts.energy``. The items of a list are joined by
+    semicolons. A text that a spreadsheet would take for a formula gets an apostrophe before it
     (https://owasp.org/www-community/attacks/CSV_Injection).
     """
     flat = [dict(_flattened(record)) for record in records]
     names = dict.fromkeys(name for record in flat for name in record)
     for name in [*names]:
-        # Where a record has None in place of the dictionary, its name became a column, too.
+        # A record with None in place of a dictionary has made a column of the dictionary's name.
         while name := name.rpartition(".")[0]:
             names.pop(name, None)
     text = io.StringIO()
@@ -36,7 +36,7 @@ def csv_text(records: Sequence[Mapping[str, object]]) -> str:
 
 
 def _flattened(record: Mapping[str, object]) -> Iterator[tuple[str, object]]:
-    """Yield a record's columns and values; an entry of an inner record is named "record.entry"."""
+    """Yield a record's columns and values; the column of a nested entry is "outer.inner"."""
     for name, value in record.items():
         if isinstance(value, Mapping):
             yield from ((f"{name}.{entry}", inner) for entry, inner in _flattened(value))
@@ -47,7 +47,7 @@ def _flattened(record: Mapping[str, object]) -> Iterator[tuple[str, object]]:
 
 
 def _no_formula(value: object) -> object:
-    """Return the value; a text that begins like a formula gets an apostrophe before it."""
+    """Return a value, with an apostrophe before it if it is a text that begins like a formula."""
     return f"'{value}" if isinstance(value, str) and value.startswith(FORMULA) else value
 
 

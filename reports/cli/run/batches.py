@@ -24,9 +24,9 @@ MOST = 1 << 20
 
 
 def named_worlds(text: str) -> list[int]:
-    """Return the sizes of batches, in increasing order, from a text with commas between them.
+    """Return numbers of worlds, in increasing order, from a text such as "1,64,4096".
 
-    It raises a `Complaint` unless these are whole numbers from 1 to `MOST`.
+    A `Complaint` is raised unless they are whole numbers from 1 to `MOST`.
     """
     try:
         found = sorted({int(part) for part in text.split(",")})
@@ -53,7 +53,7 @@ def batches(
     Parameters
     ----------
     scenes : files, folders or names of library scenes, at least one
-    engine_names : names of engines; the default ones if empty
+    engine_names : names of engines; if empty, all that are not optional
     methods : names of methods; if empty, all but those as shipped
     timesteps : s; if empty, the stock timestep of each engine
     worlds : numbers of worlds in a batch
@@ -67,7 +67,8 @@ def batches(
     Raises
     ------
     Complaint
-        If a name or number cannot be used, an engine steps no batches, or it has no such device.
+        If a name or number cannot be used, if an engine cannot step batches, or if it lacks the
+        device.
     """
     if not scenes:
         raise Complaint("'--worlds' needs a scene, such as fast-top")
@@ -105,7 +106,7 @@ def _check_batches(engine: Engine) -> None:
 
 
 def print_batches(rows: Sequence[BatchRow]) -> None:
-    """Print, for each method and timestep, a table of its batches, with conclusions below.
+    """Print a table of batches for each scene, method and timestep, with conclusions below it.
 
     Batches that could not be compared are listed with the reason.
     """
@@ -127,9 +128,9 @@ def batches_as_json(rows: Sequence[BatchRow]) -> list[dict[str, Any]]:
 
 
 def exit_code(rows: Sequence[BatchRow]) -> int:
-    """Return the exit code: 1 if a motion depends on its batch or a batch failed, else 0.
+    """Return the exit code: 3 if no batch could be compared, else 1 or 0.
 
-    It is 3 if no batch could be compared.
+    It is 1 if the motion of a world depends on its batch, or if a batch failed.
     """
     if all(row.reason for row in rows):
         return NOT_RUN
@@ -138,7 +139,7 @@ def exit_code(rows: Sequence[BatchRow]) -> int:
 
 
 def _line(row: BatchRow) -> dict[str, object]:
-    """Return a batch as a row of a table: how far worlds are apart, and costs."""
+    """Return a batch as a row of a table: how far a world's motions are apart, and costs."""
     assert row.seconds_per_step is not None, "only a row that was compared is printed"
     return {
         "worlds": row.worlds,
@@ -152,16 +153,20 @@ def _line(row: BatchRow) -> dict[str, object]:
 
 
 def _words(apart: Apart | None) -> str:
-    """Return, in words, how far worlds are apart; None stands for the same bits."""
+    """Return, in words, how far two motions of a world are apart.
+
+    `apart` is None if they agree to the last bit.
+    """
     if not apart:
         return "same bits"
     return f"{apart.ulp:.2g} ulp, {apart.degrees:.1g}°" if isfinite(apart.ulp) else "not finite"
 
 
 def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:
-    """Yield sentences on what motions depend on, and on which batches cost less than `beside_by`.
+    """Yield a sentence on what a world's motion depends on, and one on what its steps cost.
 
-    Costs of a world's step are compared with that of an engine which steps one world on one core.
+    The cost of a world's step is compared with that of a step of `BatchRow.beside_by`, an engine
+    that steps one world on one core.
 
     Parameters
     ----------
@@ -196,5 +201,5 @@ def _failures(rows: Sequence[BatchRow]) -> Iterator[str]:
 
 
 def _worlds(count: int) -> str:
-    """Return a number of worlds in words."""
+    """Return a number of worlds in words, such as "64 worlds"."""
     return "1 world" if count == 1 else f"{count} worlds"

@@ -14,11 +14,11 @@ ALL = "all"
 def named_encodings(text: str) -> tuple[str, ...]:
     """Return the names of the encodings that the value of `--as` names, each once.
 
-    It raises a `Complaint` for a name of no encoding.
+    A `Complaint` is raised for a name that no encoding has.
 
     Parameters
     ----------
-    text : names with commas between, or `all`, in upper or lower case; no encodings if empty
+    text : names with commas between, or `all`, in upper or lower case; empty for no encodings
     """
     names = [part.strip().lower() for part in text.split(",") if part.strip()]
     if ALL in names:
@@ -37,8 +37,8 @@ def encoded(
 ) -> Iterator[Engine]:
     """Yield each engine in each encoding that applies to any of the scenes.
 
-    Encodings that apply to none are printed, with the reason why they do not apply to the first
-    scene; those of engines that load users' files are left out without a message.
+    If an encoding applies to none, a message says why it does not apply to the first scene. There
+    is no message about an engine that loads users' files.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def encoded(
 
 
 def encoding_rows() -> list[dict[str, str]]:
-    """Return a row for each encoding: name, what it changes, scenes and engines that support it."""
+    """Return a row for each encoding: its name, what it changes, and its scenes and engines."""
     rows = []
     for name, encoding in ENCODINGS.items():
         needed = encoding.description.features

@@ -41,9 +41,9 @@ from ..terminal import (
 
 
 def print_ensemble(swept: EnsembleResult) -> None:
-    """Print a table with a line for each method that ran on an ensemble.
+    """Print a table with a line for each method that was run on the members of an ensemble.
 
-    Members that are no valid scene are counted below.
+    Below it is the number of members that are no valid scene, if there are any.
     """
     print(f"{swept.scenario.name}: {swept.ensemble}")
     table([_line(points) for points in _by_method(swept.points)])
@@ -54,12 +54,12 @@ def print_ensemble(swept: EnsembleResult) -> None:
 
 
 def ensemble_as_json(swept: EnsembleResult) -> dict[str, Any]:
-    """Return the definition of an ensemble and its runs; scripts rely on the names of the keys."""
+    """Return an ensemble's definition and runs as a JSON object; scripts rely on its keys."""
     return asdict(swept.ensemble) | {"points": [row_record(point) for point in swept.points]}
 
 
 def _by_method(points: Iterable[Row]) -> list[list[Row]]:
-    """Return runs in groups, one for each method, sorted by engine and method."""
+    """Return runs in groups, one for each method; the groups are sorted by engine and method."""
     by_method: dict[tuple[str, str], list[Row]] = {}
     for point in points:
         by_method.setdefault(point.pair, []).append(point)
@@ -67,7 +67,7 @@ def _by_method(points: Iterable[Row]) -> list[list[Row]]:
 
 
 def _line(points: Sequence[Row]) -> dict[str, object]:
-    """Return the runs of one method on the members of an ensemble as a row of a table."""
+    """Return a row of a table that sums up the runs of one method on the members of an ensemble."""
     outcomes = Counter(point.outcome for point in points)
     causes = Counter(point.cause for point in points if point.cause)
     run = Members(points[0].pair, tuple(point for point in points if point.simulated))
@@ -97,15 +97,17 @@ def run_ensembles(
     Parameters
     ----------
     scenes : files, folders or names of library scenes, at least one
-    members, seed : the number of members, and the seed of their random numbers
-    choice : what runs on the members, at one timestep at most; if none, at stock timesteps
+    members : number of members
+    seed : seed of the random numbers that scatter the members
+    choice : the engines and methods that are run, with one timestep at most; without one, each
+        engine runs at its stock timestep
     jobs : number of worker processes
     out : the result file, to which runs are added
 
     Raises
     ------
     Complaint
-        If a name or number cannot be used, or the result file cannot.
+        If a name, a number or the result file cannot be used.
     """
     if not scenes:
         raise Complaint("'--ensemble' takes scenes to scatter, got none")
@@ -172,7 +174,8 @@ def choose_for_ensemble(
     Raises
     ------
     Complaint
-        If there are several timesteps, or as from `choose`.
+        If there are several timesteps, if there is no engine or method of some name, if an engine
+        cannot be used, or if a number is out of range.
     """
     if len(timesteps) > 1:
         raise Complaint(f"'--timestep' may be given once with '--ensemble', got {len(timesteps)}")
@@ -181,11 +184,11 @@ def choose_for_ensemble(
 
 
 def print_ensembles(swept: Sequence[EnsembleResult], out: Path, as_json: bool) -> None:
-    """Print ensembles as tables or as JSON, in which several are a list.
+    """Print ensembles as tables or as JSON; in JSON, several ensembles are a list.
 
     Parameters
     ----------
-    out : the result file with the runs, which a message names
+    out : the result file, which a message below the tables names
     """
     if as_json:
         records = [ensemble_as_json(one) for one in swept]
@@ -200,7 +203,7 @@ def print_ensembles(swept: Sequence[EnsembleResult], out: Path, as_json: bool) -
 
 
 def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
-    """Return the exit code: 3 if all runs failed or there are none, 1 if some failed, else 0.
+    """Return the exit code: 3 if all runs failed or there are no runs, 1 if some failed, else 0.
 
     A run that diverged does not count as failed.
     """
@@ -213,12 +216,12 @@ def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
 def _carried_out(
     definitions: Sequence[tuple[Ensemble, Scenario]], choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Return ensembles with the runs of the chosen methods; run the members that are missing.
+    """Run the members of ensembles whose results are missing; return all results.
 
     Parameters
     ----------
     definitions : each ensemble, with the scene that is scattered
-    choice : what runs on the members
+    choice : the engines and methods that are run, and whose results are returned
     jobs : number of worker processes
     out : the result file, which is created if necessary, and to which new runs are added
     """

@@ -1,9 +1,10 @@
 """What the command `recommend` does: the cheapest method and timestep that stay within bounds.
 
-The runs and times come from a result file, as in the report's tables; if it has none of the scene,
-the scene is run and timed now. The cheapest choice is then checked by a run at exactly its
-timestep. If an error of that run exceeds its bound, the run is added to those between which
-timesteps are interpolated, and the choice is made again.
+The runs and their costs come from a result file, as in the report's tables. If the file has none of
+the scene, the scene is run and timed now. The timestep at which a method reaches the bounds is
+interpolated between its runs. The cheapest choice is then checked by a run at exactly its timestep.
+If an error of that run exceeds its bound, the run is added to the others, and the choice is made
+again.
 """
 
 import math
@@ -40,7 +41,7 @@ from ..stopping import saying
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say
 from . import running
 
-#: Least number of timed runs of a method for stored results to be used.
+#: Stored results are used if at least one method has this many timed runs.
 LEAST_TIMED = 3
 #: Number of checks after which the search is given up.
 CHECKS = 4
@@ -48,13 +49,14 @@ CHECKS = 4
 
 @dataclass(frozen=True, eq=False)
 class Recommendation:
-    """The result of `recommend`.
+    """The method and timestep that are recommended for a scene, and how they were found.
 
     Attributes
     ----------
-    bounds : the largest errors allowed, by signal
-    candidates : every method that may be recommended, the cheapest first, those that cannot reach
-        the bounds last
+    scenario : name of the scene
+    bounds : the largest errors allowed, by signal: attitude in rad, others relative
+    candidates : every method that may be recommended, the cheapest first; those that cannot reach
+        the bounds come last
     checks : runs at exactly a recommended timestep; the last one is of the first candidate
     unchecked : why the choice was not checked; empty if it was checked
     setup : what users write in the first candidate's engine to set its method and timestep; empty
@@ -62,8 +64,8 @@ class Recommendation:
     command : the command that runs the first candidate again; empty if nothing is recommended
     nothing : why nothing is recommended; empty if something is
     source : the result file used; empty if the scene was run now
-    left_in : cost of the first candidate's steps with nothing left out, as a user's script steps;
-        None if the adapter leaves nothing out, or that was not timed
+    left_in : cost of the first candidate's steps if the engine does all that it does by default;
+        None if the adapter leaves nothing of that out, or if it was not timed
     """
 
     scenario: str
@@ -84,7 +86,10 @@ class Recommendation:
 
     @property
     def of_other_engines(self) -> list[Candidate]:
-        """The cheapest candidate of each other engine that reaches the bounds."""
+        """The cheapest candidate of each engine other than that of `best`.
+
+        Engines that cannot reach the bounds are left out.
+        """
         first: dict[str, Candidate] = {}
         for candidate in self.candidates if self.best else ():
             if candidate.timestep is not None:
@@ -93,7 +98,7 @@ class Recommendation:
 
     @property
     def verified(self) -> bool:
-        """Whether the last check kept every error bound."""
+        """Whether the errors of the last check are within all bounds; False without a check."""
         return bool(self.checks) and within(self.checks[-1], self.bounds)
 
 
@@ -107,15 +112,18 @@ def recommend(
     Parameters
     ----------
     scene : a file, or the name of a library scene
-    bounds : the largest errors allowed, by signal; `BOUNDS` if empty
-    engine_names : the engines to choose from; the default ones if empty
+    bounds : the largest errors allowed, by signal: attitude in rad, others relative; `BOUNDS` if
+        empty
+    engine_names : the engines to choose from; if empty, all that are not optional
     jobs : number of worker processes
-    stored : a result file; if it has no timed runs of the scene, its ladders are run
+    stored : a result file, from which runs are taken; if it has no timed runs of the scene, the
+        scene's ladders are run
 
     Raises
     ------
     Complaint
-        If a name or bound cannot be used, no method may be recommended, or nothing could be run.
+        If a name or bound cannot be used, if the engines have no method that may be recommended, or
+        if nothing could be run.
     """
     bounds = bounds or BOUNDS
     scenario = one_scene(scene)
@@ -135,7 +143,7 @@ def recommend(
 
 
 def within(row: Row, bounds: ErrorBounds) -> bool:
-    """Return whether a run has errors, and each is at most its bound; False if one is unknown.
+    """Return whether the errors of a run are known and within all bounds.
 
     Parameters
     ----------
@@ -152,7 +160,7 @@ def exit_code(recommendation: Recommendation) -> int:
 
 
 def _check_bounds(bounds: ErrorBounds, scenario: Scenario) -> None:
-    """Raise a `Complaint` if a bound is not positive and finite, or of no signal of the scene."""
+    """Raise a `Complaint` for a bound that is not positive, not finite, or of an absent signal."""
     for signal, bound in bounds.items():
         if not 0 < bound < math.inf:
             raise Complaint(f"'{option(signal)}' must be positive, got {bound:g}")
@@ -163,11 +171,11 @@ def _check_bounds(bounds: ErrorBounds, scenario: Scenario) -> None:
 def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
     """Return the names of the methods that may be recommended for a scene.
 
-    It raises a `Complaint` if there are none.
+    A `Complaint` is raised if there are none.
 
     Parameters
     ----------
-    engine_names : the engines that have the methods; the default ones if empty
+    engine_names : the engines whose methods are returned; if empty, all that are not optional
     """
     chosen = choose(engine_names, [], []).engines
     made_for_it = (method for engine in chosen for method in engine.methods_for(scenario))
@@ -184,11 +192,11 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
 def _timed_runs(
     scene: str, bounds: ErrorBounds, engine_names: Sequence[str], stored: Path
 ) -> Results | None:
-    """Return the results on a scene in a file, of engines whose stored version is installed.
+    """Return a scene's results in a result file, of engines that are installed in the same version.
 
-    None is returned if there is no file, if it lacks the scene or has another version of it, if no
-    method has `LEAST_TIMED` timed runs, or if the error in a signal with a bound is not stored, as
-    that of spins in older files.
+    None is returned if there is no file, if the file lacks the scene or has another version of the
+    scene, if no method has `LEAST_TIMED` timed runs, or if errors in a signal with a bound are not
+    stored. Files of older versions lack errors of spins.
 
     Parameters
     ----------
@@ -225,15 +233,16 @@ def _timed_runs(
 
 
 def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) -> Recommendation:
-    """Return the cheapest candidate, checked by a run; if the check fails, choose again.
+    """Recommend the cheapest candidate, checked by a run; if the check fails, choose again.
 
-    The search ends when a check keeps the bounds, when a check would take too long and is left out,
-    when no candidate is left, or after `CHECKS` checks. Nothing is recommended if the motion does
-    not tell methods apart (`steady`).
+    The search ends when the errors of a check are within the bounds, when a check would take too
+    long and is left out, when no method reaches the bounds, or after `CHECKS` checks. Nothing is
+    recommended on a motion so simple that bad methods, too, follow it (`steady`).
 
     Parameters
     ----------
-    results : runs of the scene, from which the candidates are interpolated
+    scene : the scene as the user typed it
+    results : runs of the scene, between which the candidates' timesteps are interpolated
     folder : where the result files of the checks are written
     """
     checks: list[Row] = []
@@ -258,7 +267,7 @@ def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) ->
 
 
 def _as_typed(candidate: Candidate) -> Candidate:
-    """Return the candidate at a timestep rounded down to few digits, with the cost of that."""
+    """Return a candidate with its timestep rounded down to two digits, and the cost at that."""
     if candidate.timestep is None or candidate.cost is None:
         return candidate
     timestep = to_type(candidate.timestep, candidate.finest_useful)
@@ -267,13 +276,15 @@ def _as_typed(candidate: Candidate) -> Candidate:
 
 
 def _left_in(results: Results, key: Key) -> MethodCost | None:
-    """Return the cost of a method's steps with nothing left out; None if it was not measured."""
+    """Return the cost of a method's steps if nothing is left out of them; None if not measured."""
     whole = (one for one in results.costs if one.key == key and one.left_in)
     return next((one for one in whole if one.cost and one.cost.ratio), None)
 
 
 def _setup(scene: SceneRuns, best: Candidate) -> str:
-    """Return what users write in an engine to use a candidate; empty if the adapter states nothing.
+    """Return what users write in an engine to set a candidate's method and timestep.
+
+    The text is empty if the adapter does not state it.
 
     Parameters
     ----------
@@ -284,7 +295,9 @@ def _setup(scene: SceneRuns, best: Candidate) -> str:
 
 
 def _too_long(best: Candidate, duration: float) -> str:
-    """Return why a run would take too long to be checked; empty if it would not.
+    """Return why a candidate's run is too long for a check; empty if it is not.
+
+    It is too long if it would take more than `TIME_LIMIT`.
 
     Parameters
     ----------
@@ -308,7 +321,7 @@ def _run_again(scenario: Scenario, key: Key, timestep: float, out: Path) -> Row:
 
 
 def _with_run(results: Results, run: Row) -> Results:
-    """Return the results with one more run, in place of one at the same timestep, if any.
+    """Return the results with another run, in place of any of that method at the same timestep.
 
     As the run was not timed, the cost of a step is taken from another run of the method.
     """
@@ -326,7 +339,7 @@ def _with_run(results: Results, run: Row) -> Results:
 def _as_typed_again(recommendation: Recommendation, engine_names: Sequence[str]) -> Recommendation:
     """Return a recommendation whose command names a user's own engine as the user typed it.
 
-    Such an engine, given as 'MODULE:CLASS' or 'child:COMMAND', cannot be found by its name alone.
+    The user has given it as 'MODULE:CLASS' or 'child:COMMAND'; its name alone would not be found.
     """
     words = shlex.split(recommendation.command)
     if not words:
@@ -341,6 +354,6 @@ def _as_typed_again(recommendation: Recommendation, engine_names: Sequence[str])
 def _command(scene: str, best: Candidate) -> str:
     """Return the command that runs a candidate again, into a result file of its own."""
     parts = ["spincheck", "run", scene, "--engine", best.key.engine, "--method", best.key.method]
-    # Into another file: running a scene replaces what a file holds about it.
+    # Results go to another file, as a run of a scene replaces what a file has of that scene.
     parts += ["--timestep", repr(best.timestep), "--out", "recommended.sqlite", "--json"]
     return shlex.join(parts)

@@ -1,4 +1,4 @@
-"""What `recommend` prints: its choice, the cheapest of other engines, and its checks."""
+"""What `recommend` prints: the choice, the cheapest of each other engine, and the checks."""
 
 import math
 from dataclasses import asdict
@@ -36,18 +36,18 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
 
 
 def _ratio(recommendation: Recommendation) -> float | None:
-    """Return the time of a step with nothing left out over the usual time; None if not timed."""
+    """Return how many times as long a step takes if nothing is left out; None if not timed."""
     whole = recommendation.left_in
     return whole.cost.ratio.median if whole and whole.cost and whole.cost.ratio else None
 
 
 def _with_unit(bound: float, unit: str) -> str:
-    """Return a bound as text: that of an angle, which has a unit, in rad and in degrees."""
+    """Return a bound as text; a bound with a unit is an angle, shown in rad and in degrees."""
     return f"{bound:.3g} rad, {math.degrees(bound):.3g}°" if unit else f"{bound:g}"
 
 
 def print_recommendation(recommendation: Recommendation) -> None:
-    """Print why methods are out of reach, then the choice, its checks and how to run it again."""
+    """Print methods that cannot reach the bounds, the choice, its checks, and how to repeat it."""
     bounds = ", ".join(
         f"{SIGNAL[signal].label} to {_with_unit(bound, SIGNAL[signal].unit)}"
         for signal, bound in recommendation.bounds.items()
@@ -83,7 +83,7 @@ def print_recommendation(recommendation: Recommendation) -> None:
 
 
 def _priced(candidate: Candidate) -> str:
-    """Return a candidate, with its timestep and cost, in words."""
+    """Return a candidate's method, timestep and cost in words."""
     finest = candidate.finest_useful
     floor = f"; finer than {finest:.3g} s makes it worse" if finest is not None else ""
     return (
@@ -108,7 +108,7 @@ def _method(candidate: Candidate) -> dict[str, Any]:
 
 
 def _check_line(row: Row, bounds: ErrorBounds) -> str:
-    """Return, in words, whether a check kept the bounds, and its errors."""
+    """Return, in words, whether the errors of a check are within the bounds, and these errors."""
     run = f"{row.key.label} at {row.timestep!r} s"
     if row.errors is None:
         return f"Check of {run}: {row.outcome}: {row.reason}"

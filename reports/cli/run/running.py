@@ -37,9 +37,9 @@ from .encodings import encoded
 
 
 def announcement(left: Plan) -> str:
-    """Return, in words, how many verdicts and timings a plan will make, and of which engines.
+    """Return, in words, how many verdicts a plan will make, of which engines, and what is timed.
 
-    The text is empty if the plan makes one verdict at most.
+    The text is empty if the plan will make at most one verdict.
     """
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
@@ -67,29 +67,30 @@ def run(
     python: str = "",
     encodings: Sequence[str] = (),
 ) -> Results:
-    """Run the scenes, engines and methods named, and return their results from the result file.
+    """Run methods on scenes, add the results to a result file, and return them.
 
-    If no scenes are named, the whole library is run, its hard scenes on short ladders; a quick run
-    leaves the hard scenes out. Progress is printed on stderr.
+    Progress is printed on stderr.
 
     Parameters
     ----------
-    scenes : files, folders or names of library scenes; the library if empty
-    engine_names, methods : names of engines and methods; the default ones if empty
+    scenes : files, folders or names of library scenes; if empty, the library, in which hard scenes
+        have short ladders, or are left out if the run is quick
+    engine_names : names of engines; if empty, all that are not optional
+    methods : names of methods; if empty, all that the engines offer for a scene
     timesteps : s; ladders of halved timesteps if empty
     jobs : number of worker processes
     out : the result file; what it holds already is not run again
-    quick : whether ladders are short, and nothing is timed
+    quick : whether ladders are short and nothing is timed
     time_limit : CPU time that a run may take, s; the default if None
     again : whether to run also what the result file holds already
     python : the command of the interpreter that other versions of engines run under; the
         interpreter of this process if empty
-    encodings : names of encodings in which bodies are run in addition
+    encodings : names of encodings in which bodies are run as well
 
     Raises
     ------
     Complaint
-        If a name or number cannot be used, or the result file cannot.
+        If a name, a number or the result file cannot be used.
     """
     scenarios = scenes_of(scenes, quick=quick)
     choice = choose(
@@ -128,12 +129,12 @@ def run(
 
 
 def gone_on_with(out: Path) -> str:
-    """Return the message for a run that is stopped: where results are, and how to continue."""
+    """Return the message printed if a run is stopped: where its results are, how to continue."""
     return f"finished results are in {printable(str(out))}; the same command continues from there"
 
 
 def check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
-    """Raise a `Complaint` if an engine asked for applies to none of the scenes."""
+    """Raise a `Complaint` if one of the chosen engines applies to none of the scenes."""
     for engine in choice.engines:
         if not any(engine.applies_to(scenario) for scenario in scenarios):
             raise Complaint(
@@ -143,16 +144,16 @@ def check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
 
 
 def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
-    """Return the scenes of a run; a quick run has hard scenes only if they are named."""
+    """Return the scenes to run; a quick run of the whole library leaves out hard scenes."""
     scenarios = scenes_to_run(names)
     return [scenario for scenario in scenarios if names or not (quick and scenario.hard)]
 
 
 def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) -> Results:
-    """Return only the results that the user asked for, as a result file may hold others.
+    """Return the results of the chosen scenes, methods and timesteps, out of all in a file.
 
-    If the user named timesteps, the runs at the timesteps of the scene's expectations, and rows
-    which say that a scene could not be solved, are kept, too.
+    If timesteps were chosen, two other kinds of rows are kept, too: runs at timesteps of the
+    scene's expectations, and rows which say that a scene could not be solved.
     """
     pairs = [(engine.name, method.name) for engine, method in choice.pairs()]
     scenes = {scenario.name: scenario for scenario in scenarios}
@@ -177,12 +178,13 @@ def read(path: Path, scene: str = "") -> Results:
 
     Parameters
     ----------
-    scene : name of the only scene whose results are returned; all scenes if empty
+    path : the result file
+    scene : name of the scene whose results are returned; empty for all scenes
 
     Raises
     ------
     Complaint
-        If the file cannot be read, is empty, or holds no results of the scene.
+        If the file cannot be read, or holds no results or none of the scene.
     """
     with as_complaint(ResultFileError), open_store(path) as store:
         results = store.read()
@@ -206,9 +208,9 @@ def read(path: Path, scene: str = "") -> Results:
 
 
 def tidied(path: Path) -> str:
-    """Delete results that no longer count; return, in words, how many, and the space freed.
+    """Delete results that no longer count from a result file; return in words what was freed.
 
-    It raises a `Complaint` if the result file cannot be used.
+    A `Complaint` is raised if the file cannot be used.
     """
     with as_complaint(ResultFileError):
         with open_store(path):
@@ -227,7 +229,7 @@ def tell_untrue(results: Results) -> None:
 
 
 def say_where_motions_end(results: Results) -> None:
-    """Print a warning for each scene whose motion ends before its window does."""
+    """Print a warning for each scene whose exact motion is not known up to its window's end."""
     for name, scene in results.scenes.items():
         if too_long := scene.solution.ends_before(scene.scenario.window.duration):
             say(f"{name}: {too_long}")
@@ -236,7 +238,7 @@ def say_where_motions_end(results: Results) -> None:
 def unproven_in_words(results: Results) -> str:
     """Return in words how many verdicts are 'unresolved' or 'diverges'; empty if none is.
 
-    Methods as shipped and expected failures do not count.
+    Verdicts on methods as shipped, and expected failures, are not counted.
     """
     count = sum(verdict.is_unproven for verdict in results.verdicts)
     if not count:
@@ -248,12 +250,12 @@ def unproven_in_words(results: Results) -> str:
 
 
 def exit_code(results: Results, *, strict: bool = False) -> int:
-    """Return the exit code: 0 if everything agrees, 1 if something does not, 3 if all runs failed.
+    """Return the exit code: 3 if all runs failed, 0 if all verdicts agree, 1 if one does not.
 
     Parameters
     ----------
-    strict : whether verdicts 'unresolved' and 'diverges' count as disagreement, except those on
-        methods as shipped and expected failures
+    strict : whether the verdicts 'unresolved' and 'diverges' count as disagreement, unless they are
+        on a method as shipped or are expected failures
     """
     if results.rows and all(row.outcome == "failed" for row in results.rows):
         return NOT_RUN

@@ -1,4 +1,4 @@
-"""The results of a run on at most twenty lines of eighty columns: the answer first."""
+"""A summary of a run's results, in at most twenty lines of eighty columns: the answer first."""
 
 import math
 import textwrap
@@ -19,13 +19,14 @@ from ...results.verdicts import Verdict
 from .summary import aligned, of_signals
 
 WIDTH = 80
-#: Largest number of lines for one reason, and of scenes whose best choice is printed one by one.
+#: Largest number of lines for one reason; largest number of scenes whose best choices are printed
+#: one by one.
 REASON_LINES, SCENES_PRINTED = 3, 3
-#: Largest number of methods whose errors are printed: first engines as shipped, those with the
-#: smallest errors, then the most accurate other method of each engine. If there are `OTHERS` such
-#: methods, at least so many of them are printed.
+#: Largest number of methods whose errors are printed: first methods as shipped, then the most
+#: accurate clean method of each engine, the smallest errors first among either. Room is kept for
+#: at least `OTHERS` clean methods.
 METHODS_SHOWN, OTHERS = 8, 3
-#: Larger angles, degrees, are printed as whole numbers.
+#: Angles from this on, degrees, are printed as whole numbers.
 LEAST_WHOLE = 9.5
 
 
@@ -34,8 +35,8 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 
     Parameters
     ----------
-    timesteps : timesteps that were asked for, s; their errors are printed instead of those at stock
-        timesteps
+    timesteps : timesteps that the user asked for, s; if there are any, the errors at these
+        timesteps are printed in place of those at stock timesteps and of best choices
     """
     report = report_data(results)
     lines = [*_counts(results.verdicts), *_first_failure(results.verdicts), *_lost(results.rows)]
@@ -45,7 +46,7 @@ def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str
 
 
 def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield lines with the numbers of scenes and verdicts, and how many verdicts of each word.
+    """Yield lines with the number of scenes and verdicts, and how often each verdict occurs.
 
     Clean methods and methods as shipped are counted apart.
     """
@@ -78,7 +79,7 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def _lost(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield lines on how many runs failed because of the machine, and why the first one did."""
+    """Yield lines with the number of runs that failed because of the machine, and one reason."""
     lost = [row for row in rows if row.cause in ENVIRONMENTAL]
     if lost:
         text = f"{plural(len(lost), 'run')} lost by the machine's fault: {lost[0].reason}"
@@ -87,10 +88,11 @@ def _lost(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def _at_stock(report: ReportData) -> Iterator[str]:
-    """Yield a heading, and a line for each method shown, with its attitude errors.
+    """Yield a heading, and a line with the attitude errors of each method that is shown.
 
-    A line has the median and the largest error over the scenes, at the stock timestep. At most
-    `METHODS_SHOWN` of the methods that `leading` returns are shown.
+    The line has the median and the largest error over the scenes, at the stock timestep. For each
+    engine, one method as shipped and the most accurate clean method are shown, but at most
+    `METHODS_SHOWN` in all.
     """
     by_pair = {one.pair: one for one in at_stock(report)}
     first = [by_pair[pair] for pair in leading(report) if pair in by_pair]
@@ -111,10 +113,10 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 
 def _best(report: ReportData) -> Iterator[str]:
-    """Yield lines with the best choice of each scene, its error and its cost.
+    """Yield lines with the best choice for each scene, its error and its cost.
 
-    If more than `SCENES_PRINTED` scenes have one, the lines name the methods that are most often
-    the best choice instead.
+    If there are best choices for more than `SCENES_PRINTED` scenes, the lines name the methods that
+    are the best choice most often, instead.
     """
     choices = {scene.name: best_choice(scene) for scene in report.scenes}
     best = {name: choice for name, choice in choices.items() if choice is not None}
@@ -134,13 +136,13 @@ def _best(report: ReportData) -> Iterator[str]:
 
 
 def _finest(report: ReportData) -> Iterator[str]:
-    """Yield lines on methods whose errors grow at short timesteps by rounding, or with a bias."""
+    """Yield lines on methods whose errors rounding makes grow, or whose rounding is biased."""
     for sentence in finest_in_words(list(finest_timesteps(report).values())):
         yield from textwrap.wrap(f"{sentence}.", WIDTH, max_lines=REASON_LINES, placeholder=" …")
 
 
 def _asked_for(rows: Sequence[Row], timesteps: Sequence[float]) -> Iterator[str]:
-    """Yield a heading, and a line for each run with its errors, or how it ended.
+    """Yield a heading, and a line for each run: its errors, or how it ended if it has none.
 
     Parameters
     ----------
@@ -162,7 +164,7 @@ def _brief(signal: Signal, error: float) -> str:
 
 
 def _named_run(row: Row, width: int) -> str:
-    """Return the names of scene and method, and the timestep of a run, padded to a width.
+    """Return a run's scene, method and timestep as a text that is padded to a width, characters.
 
     Names that are too long are cut; the timestep never is.
     """

@@ -1,4 +1,4 @@
-"""Runs and verdicts: lines of 80 columns where numbers allow, and JSON of everything."""
+"""Runs and verdicts as lines, of 80 columns unless numbers need more, and as JSON."""
 
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -19,19 +19,19 @@ from ...results.verdict_words import VERDICT
 from ...results.verdicts import MADE, Verdict
 
 WIDTH = 80
-#: Width of names in a line of a verdict.
+#: Widths of the names of scene and method in a verdict's line, characters.
 SCENE, METHOD = 25, 25
 #: Largest number of lines of a reason.
 REASON_LINES = 3
-#: Width of the column that shows what is varied in a run.
+#: Width of the column that shows what is varied in a run, characters.
 VARIED = 24
 
 
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
     """Yield a heading for each method on each scene, and below it a line for each run.
 
-    A run in which nothing is varied is named by its timestep, with a star if that is a stock
-    timestep; any other by what is varied, such as seed and number of an ensemble's member.
+    The line of a run begins with its timestep, and a star before it if that is a stock timestep. If
+    something is varied in the run, such as the member of an ensemble, the line begins with that.
 
     Parameters
     ----------
@@ -59,12 +59,12 @@ def of_signals(
     errors: Iterable[Mapping[str, float]],
     words: Callable[[Signal, float], str] = lambda _, error: f"{error:.1e}",
 ) -> list[list[str]]:
-    """Return a column for each signal in which any run has an error: its label, and the errors.
+    """Return a column for each signal in which any run has an error: its label, then the errors.
 
     Parameters
     ----------
     errors : the errors of each run, by signal
-    words : writes an error in a signal
+    words : function that returns an error in a signal as text
     """
     known = list(errors)
     shown = [signal for signal in SIGNALS if any(signal.name in one for one in known)]
@@ -83,7 +83,7 @@ def aligned(columns: Sequence[Sequence[str]]) -> list[str]:
 
 
 def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield a heading, and for each verdict a line, with its reasons in indented lines below.
+    """Yield a heading, then a line for each verdict with its reasons in indented lines below.
 
     The reasons are all unmet expectations, and the verdict's own reason unless the verdict is
     `converges` or `unsupported`.
@@ -113,7 +113,7 @@ def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def cut(text: str, width: int) -> str:
-    """Return a text, cut to a number of characters; an ellipsis shows that it was cut."""
+    """Return a text, cut to a number of characters if it is longer; it then ends in an ellipsis."""
     return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
@@ -126,7 +126,7 @@ def _begun(row: Row) -> str:
 
 
 def _value(varied: object) -> str:
-    """Return a value that is varied in a run as text, a number padded to a column."""
+    """Return a value that is varied in a run as text; a number is padded to a column's width."""
     if isinstance(varied, int | float):
         return f"{varied:<11.6g}"
     return ", ".join(map(str, varied)) if isinstance(varied, list) else f"{varied}"
@@ -149,8 +149,8 @@ def results_as_json(results: Results) -> dict[str, Any]:
 def verdict_records(results: Results) -> list[dict[str, Any]]:
     """Return verdicts as JSON objects.
 
-    Each has its method's finest useful timestep and bias of rounding on the scene, too, and the
-    largest timestep at which runs survived.
+    Each also has the finest useful timestep of its method, the bias of rounding on the scene, and
+    the largest timestep at which runs survived.
     """
     fastest_rates = {
         name: fastest_rate(scene.scenario, scene.solution.trajectory.omega_body)
@@ -175,14 +175,14 @@ def verdict_records(results: Results) -> list[dict[str, Any]]:
 
 
 def _floor_record(finest: float | None, bias: float | None) -> dict[str, Any]:
-    """Return a finest useful timestep, s, and a bias of rounding, ulp, as entries of JSON."""
+    """Return a finest useful timestep, s, and a bias of rounding, ulp a step, as JSON entries."""
     return {"finest_useful_timestep": finest, "rounding_bias_ulp_a_step": bias}
 
 
 def _survival_record(survival: Survival | None) -> dict[str, Any]:
     """Return the largest timestep that a method survives as entries of a JSON object.
 
-    All entries are None if it is not known, `survival` being None.
+    If `survival` is None, that timestep is not known, and all entries are None.
     """
     return {
         "largest_surviving_timestep": survival.timestep if survival else None,
@@ -192,7 +192,7 @@ def _survival_record(survival: Survival | None) -> dict[str, Any]:
 
 
 def run_records(results: Results) -> list[dict[str, Any]]:
-    """Return every run of a result file, those of ensembles too, as `row_record` does."""
+    """Return every run of a result file, those of ensembles too, as a JSON object."""
     return [row_record(row) for row in results.every_row]
 
 

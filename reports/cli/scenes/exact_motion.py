@@ -1,4 +1,4 @@
-"""The commands `reference` and `export --truth`: the exact motion, printed and as files."""
+"""The commands `reference` and `export --truth`, which print and write the exact motion."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -23,7 +23,7 @@ from ..choosing import compile_first
 from ..terminal import NOT_RUN, Complaint, as_complaint, table
 from .sensitivities import derivatives, print_derivatives
 
-#: What each column holds, with its unit and its axes.
+#: What each column of truth.csv holds, with its unit and its axes.
 COLUMNS = {
     "t": "time, s",
     "quaternion_wxyz": "attitude, unit quaternion w x y z, takes body to world components",
@@ -34,7 +34,7 @@ COLUMNS = {
     "L_world": "angular momentum about the pivot, or the centre of mass, kg m²/s, world axes",
     "energy": "kinetic and potential, J, the latter zero at the world's origin",
 }
-#: Letters of a column's components.
+#: Endings of the names of a quantity's components, by their number.
 LETTERS = {1: [""], 3: ["_x", "_y", "_z"], 4: ["_w", "_x", "_y", "_z"]}
 
 
@@ -52,8 +52,8 @@ def solved(scenario: Scenario, times: FloatArray) -> Solution:
 def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, str]:
     """Return the texts of truth.csv and, if wanted, of sensitivities.json, by file name.
 
-    They have the motion at the scene's sample times, and its derivatives. A `Complaint` is raised
-    if the motion cannot be solved.
+    The first has the motion at the scene's sample times, the second its derivatives. A `Complaint`
+    is raised if the motion cannot be solved.
     """
     solution = solved(scenario, scenario.times)
     motion = solution.trajectory
@@ -75,7 +75,7 @@ def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, st
 
 
 def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray]) -> str:
-    """Return a motion as CSV, with its columns' meanings in comments before it.
+    """Return a motion as CSV, after comments that state what its columns mean.
 
     Parameters
     ----------
@@ -98,11 +98,11 @@ def _csv(scenario: Scenario, solution: Solution, columns: dict[str, FloatArray])
 
 
 def _ends(name: str, count: int) -> list[str]:
-    """Return the endings of the names of a column's components: numbers for rotors, else letters.
+    """Return the endings of the names of a quantity's components: numbers for rotors, else letters.
 
     Parameters
     ----------
-    name : name of the column
+    name : name of the quantity
     count : number of its components
     """
     return [f"_{k}" for k in range(1, count + 1)] if name == "rotors_spin" else LETTERS[count]
@@ -115,7 +115,9 @@ QUARTERS = 5
 def describe(
     scenario: Scenario, at: Sequence[float], sensitivities: bool = False
 ) -> dict[str, Any]:
-    """Return the exact motion of a scene for JSON: states, uncertainty, drifts and facts, SI units.
+    """Return the exact motion of a scene, in SI units, as a dictionary for JSON.
+
+    It has states, their uncertainty and conditioning, drifts, and numbers derived from the scene.
 
     Parameters
     ----------
@@ -173,19 +175,18 @@ def describe(
 
 
 def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
-    """Return attitudes, (n, 4), in which a tilt that may be 0 or π is exactly 0 or π.
+    """Return attitudes, (n, 4), in which a tilt near 0 or π is set to exactly 0 or π.
 
-    A tilt may be 0 or π if it differs from that by the uncertainty at most.
-
-    Otherwise the Euler angles α and γ of these attitudes would consist of rounding errors.
+    It is near if it differs from 0 or π by the uncertainty at most. The Euler angles α and γ of
+    such an attitude would otherwise consist of rounding errors.
 
     Parameters
     ----------
-    q_world_body_wxyz : quaternions, (n, 4)
+    q_world_body_wxyz : quaternions, scalar first, (n, 4)
     uncertainty : uncertainty of the attitude, rad
     """
     w_and_z = np.array([True, False, False, True])
-    # Sines of half the tilt, and of half the angle from the tilt to π.
+    # The two norms are the sine of half the tilt, and the sine of half the angle from it to π.
     tilted = np.linalg.norm(q_world_body_wxyz[:, ~w_and_z], axis=1) > uncertainty / 2
     upright = np.linalg.norm(q_world_body_wxyz[:, w_and_z], axis=1) > uncertainty / 2
     kept = np.where(w_and_z, upright[:, None], tilted[:, None])
@@ -193,7 +194,7 @@ def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
 
 
 def print_truth(truth: dict[str, Any]) -> None:
-    """Print a description, as `describe` returns it, as tables."""
+    """Print, as lines and tables, the exact motion that `describe` returns."""
     print(f"{truth['scenario']}: {truth['method']}")
     for state in truth["states"]:
         print("\n".join(_state(state)))
@@ -215,9 +216,9 @@ _ERRORS = ("uncertainty", "conditioning")
 
 
 def _state(state: dict[str, Any]) -> Iterator[str]:
-    """Yield a line with the time of a state, and one for each of its quantities.
+    """Yield a line with the time of a state, and a line for each of its quantities.
 
-    With eight digits a number, lines of four components fit into eighty columns.
+    Numbers have eight digits, so that four components fit into eighty columns.
     """
     yield f"\nt = {state['t']:.10g} s"
     for name, value in state.items():

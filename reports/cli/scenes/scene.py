@@ -42,7 +42,7 @@ BEGINS_WITH = ("gravity", "pivot")
 
 
 def _effects() -> str:
-    """Return an example of each effect's TOML table; all but `BEGINS_WITH` are comments."""
+    """Return an example of each effect's TOML table, as a comment unless it is in `BEGINS_WITH`."""
     texts = {e.table: f"{e.heading}\n{e.model.EXAMPLE}" for e in EFFECTS.values()}
     return "".join(
         line if name in BEGINS_WITH else f"# {line}"
@@ -54,8 +54,8 @@ def _effects() -> str:
 def new_scene(name: str) -> Path:
     """Write a scene to edit, NAME.toml, into the current folder; return its path.
 
-    `name` may end with ".toml". A `Complaint` is raised if it is no name of a scene, or the file
-    exists already.
+    `name` may end with ".toml". A `Complaint` is raised if a scene cannot have that name, or if the
+    file exists already.
     """
     name = name.removesuffix(".toml")
     if not is_scene_name(name):
@@ -72,15 +72,15 @@ def new_scene(name: str) -> Path:
     return path
 
 
-#: Integrator of an exported MJCF, MuJoCo's most accurate one; and the angle turned in a step, rad,
-#: from which the file's timestep follows: with it the motion is right to a few digits.
+#: Integrator of an exported MJCF file, MuJoCo's most accurate one; and the angle that the fastest
+#: rate turns in one of its timesteps, rad: small enough for a motion that is right to a few digits.
 EXPORTED_INTEGRATOR = "RK4"
 EXPORTED_TURN = 0.05
 #: Timestep of a scene in which nothing moves, s: MuJoCo's own default.
 EXPORTED_TIMESTEP = 0.002
 
 
-#: What the numbers of a scene are, by their keys in `scene_as_json`: unit, point and axes.
+#: What the values of `scene_as_json` are, by key: unit, point of reference and axes.
 MEANINGS = {
     "mass": "kg",
     "com": "m, centre of mass from the body's origin, body axes",
@@ -126,13 +126,13 @@ def scene_as_json(scenario: Scenario) -> dict[str, Any]:
 
 
 def _table(scenario: Scenario, effect: Effect) -> Any:
-    """Return an effect's table of a scene file, or its list of tables, as read."""
+    """Return an effect's TOML table in a scene's file, or its list of tables."""
     written = scenario.document.model_dump(exclude_none=True)
     return (written | written["effects"])[effect.table]
 
 
 def scene_rows(scenario: Scenario) -> Iterator[dict[str, str]]:
-    """Yield each number and text of `scene_as_json` with its unit, as a row for people."""
+    """Yield each value of `scene_as_json` with its unit, as a row of a table for users."""
     described = scene_as_json(scenario)
     for effect in scenario.acting:
         described[effect.table] = effect
@@ -145,7 +145,7 @@ def scene_rows(scenario: Scenario) -> Iterator[dict[str, str]]:
 
 
 def _effect_rows(effect: Effect, table: Any) -> Iterator[dict[str, str]]:
-    """Yield a row for each key of an effect's table, or of each table of its list."""
+    """Yield a row for each key of an effect's TOML table, or of each table if it has several."""
     tables = {f"{effect.table} {k + 1}": one for k, one in enumerate(table)}
     tables = tables if isinstance(table, list | tuple) else {effect.table: table}
     for name, one in tables.items():
@@ -156,7 +156,7 @@ def _effect_rows(effect: Effect, table: Any) -> Iterator[dict[str, str]]:
 
 
 def _row(name: str, value: Any, meaning: str) -> dict[str, str]:
-    """Return a row of the table of a scene: lists as JSON, numbers in `DIGITS` digits."""
+    """Return a row of a scene's table; lists are written as JSON, numbers in `DIGITS` digits."""
     shown = value if isinstance(value, str) else json.dumps(_rounded(value), ensure_ascii=False)
     return {"": name, "value": shown, "unit": meaning}
 

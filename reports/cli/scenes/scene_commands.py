@@ -138,7 +138,10 @@ def export(
 
 
 def _scenario(name: str) -> Any:
-    """Return the only scene that a name stands for; see `one_scene`."""
+    """Return the scene that a file's path or the name of a library scene stands for.
+
+    A `Complaint` is raised if there is none, or if there are several.
+    """
     from ..named_scenes import one_scene
 
     return one_scene(name)

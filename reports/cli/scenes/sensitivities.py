@@ -1,4 +1,4 @@
-"""The derivatives of the exact motion, as `reference --sensitivities` and `export` give them."""
+"""The derivatives of the exact motion, which `reference` and `export` give if asked to."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -9,12 +9,12 @@ from ....reference import IntegrationError, sensitivity
 from ....scenarios import Scenario, Trajectory
 from ..terminal import NOT_RUN, as_complaint, table
 
-#: Meanings of the six rows of each array, three rows each, and of those in `translation`.
+#: Meanings of the first and the last three rows of each array; and the same in `translation`.
 ROWS = ["attitude, rad, body axes", "omega, rad/s, body axes"]
 ROWS_OF_TRANSLATION = ["com, m, world axes", "velocity, m/s, world axes"]
 HEADS = ("θx", "θy", "θz", "ωx", "ωy", "ωz")
 HEADS_OF_TRANSLATION = ("x", "y", "z", "vx", "vy", "vz")
-#: Meanings of the columns of arrays whose columns are not the components of a vector or a number.
+#: Meanings of the columns of arrays whose columns are neither one number nor a vector's components.
 COLUMNS = {
     "state_transition": [
         f"{what} {x}" for what in ("attitude", "ω", "com", "velocity") for x in "xyz"
@@ -25,10 +25,10 @@ COLUMNS = {
 
 
 def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
-    """Return the `Sensitivity` of a motion at its times as a dictionary, for JSON.
+    """Return the derivatives of a motion at its times (`Sensitivity`) as a dictionary, for JSON.
 
-    Arrays are lists; the entry `rows` tells the meaning of their rows. A `Complaint` is raised if
-    the derivatives cannot be computed.
+    Arrays are lists; the entry `rows` tells what their rows mean. A `Complaint` is raised if the
+    derivatives cannot be computed.
     """
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         found = sensitivity(scenario, motion)
@@ -40,18 +40,19 @@ def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
 
 
 def _listed(record: Any) -> dict[str, Any]:
-    """Return a record with lists in place of arrays."""
+    """Return a dictionary with lists in place of arrays."""
     return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in record.items()}
 
 
 def print_derivatives(record: dict[str, Any]) -> None:
     """Print tables of the derivatives at each time, then the conditioning and the uncertainties.
 
-    Each row of a table of derivatives has those of all quantities in the headings by one parameter.
+    A row of a table has the derivatives with respect to one number, of the start or of the scene.
+    Its columns are the quantities that are differentiated.
 
     Parameters
     ----------
-    record : as `derivatives` returns it
+    record : the dictionary that `derivatives` returns
     """
     for k, t in enumerate(record["t"]):
         print(f"Derivatives at t = {t:.10g} s by the start and by parameters, SI units:")
@@ -72,12 +73,12 @@ def print_derivatives(record: dict[str, Any]) -> None:
 def _rows(
     record: dict[str, Any], heads: tuple[str, ...], k: int, names: Any
 ) -> Iterator[dict[str, object]]:
-    """Yield a row of a table for each number by which derivatives are taken, at one time.
+    """Yield a table row for each number with respect to which derivatives are taken, at one time.
 
     Parameters
     ----------
-    record : derivatives at all times, by their names, as for JSON
-    heads : headings of the columns, one for each row of a derivative
+    record : derivatives at all times, by name, as lists
+    heads : headings of the columns: the quantities that are differentiated
     k : index of the time
     names : names of the derivatives in the record
     """

@@ -1,4 +1,7 @@
-"""The suite's pytest hooks, which are registered if an engine is named; the subjects it tests."""
+"""Pytest hooks of `spincheck.suite`, and the subjects that it tests.
+
+The hooks are registered if '--spincheck-engine' is given.
+"""
 
 import tomllib
 from abc import ABC, abstractmethod
@@ -61,7 +64,7 @@ class Subject(ABC):
 
     @abstractmethod
     def _verdict(self, name: str) -> Verdict:
-        """Return the subject's verdict on the suite's scene of that name."""
+        """Return the verdict on the subject for one of the suite's scenes, by the scene's name."""
 
 
 @final
@@ -78,7 +81,7 @@ class EngineSubject(Subject):
         self._verdicts: dict[str, Verdict] = {}
 
     def _verdict(self, name: str) -> Verdict:
-        """Return the verdict on a scene; the method is run at the first call for it only."""
+        """Return the verdict on a scene; only the first call for a scene runs the method."""
         if name not in self._verdicts:
             scenario, prepared = _scene(name), _prepared(name)
             study = convergence_study_of(scenario, self.engine, self.method, prepared)
@@ -93,7 +96,7 @@ class RecordedSubject(Subject):
 
     Attributes
     ----------
-    folder : the folder that contains those of the scenes
+    folder : the folder that contains the scenes' folders
     """
 
     folder: Path
@@ -102,11 +105,11 @@ class RecordedSubject(Subject):
         self.name, self.about = self.folder.name, str(self.folder)
 
     def _verdict(self, name: str) -> Verdict:
-        """Return the verdict on a scene's motions.
+        """Return the verdict on the recorded motions of a scene.
 
-        It fails the test if a file cannot be read, and skips it if there are fewer than
-        `FEWEST_FILES`. A mistake in reading that explains the finest motion makes the verdict
-        `disagrees`.
+        The test fails if a file cannot be read; it is skipped if there are fewer than
+        `FEWEST_FILES` files. If a known mistake explains the errors at the finest timestep, a
+        verdict other than `converges` becomes `disagrees`.
         """
         files = sorted(
             file for file in (self.folder / name).glob("*") if file.suffix.lower() in READERS
@@ -151,7 +154,7 @@ def subjects(names: list[str]) -> Iterator[Subject]:
     Raises
     ------
     pytest.UsageError
-        If there is no such engine, or it cannot be imported; with the reason.
+        If there is no such engine or it cannot be used; the message has the reason.
     """
     for name in names:
         if Path(name).is_dir():
@@ -164,7 +167,7 @@ def subjects(names: list[str]) -> Iterator[Subject]:
 def _engines(name: str) -> tuple[Engine, ...]:
     """Return the engines that a value of `--spincheck-engine` names.
 
-    It raises `pytest.UsageError` if there are none.
+    `pytest.UsageError` is raised if there are none.
     """
     try:
         return choose([name], [], []).engines
@@ -179,18 +182,19 @@ TESTS = [name for name in [*vars(test_adapter), *vars(test_physics)] if name.sta
 def known_failures(path: Path, tested: Sequence[Subject]) -> dict[str, str]:
     """Return the reasons of known failures from a file, by the names or ids of tests.
 
-    The file is TOML, a line ``"test_heavy_top[my-engine-RK4]" = "reason"`` for each test. A line
-    without the brackets holds for every engine and method.
+    The file is TOML, with a line ``"test_heavy_top[my-engine-RK4]" = "reason"`` for each test. A
+    line without the brackets holds for every engine and method.
 
     Parameters
     ----------
+    path : the file
     tested : all methods of the engines that are tested, and recorded motions
 
     Raises
     ------
     pytest.UsageError
-        If the file cannot be read, names a test that does not exist or no method of an engine that
-        is tested, or gives no reason.
+        If the file cannot be read, or if one of its lines names a test that does not exist, names a
+        method that its engine lacks, or gives no reason.
     """
     where = f"'--spincheck-xfails' {path}"
     try:
@@ -218,9 +222,9 @@ def known_failures(path: Path, tested: Sequence[Subject]) -> dict[str, str]:
 
 
 def _engine_of(subject: str) -> str:
-    """Return the engine whose method a subject's name may be; empty if no engine here is.
+    """Return the name of the engine with which a subject's name begins; empty if there is none.
 
-    Of two engines, one named as the other begins, it is the one with the longer name.
+    If the names of several engines fit, the longest is returned.
     """
     known = [*engines(), *(one.name for one in missing())]
     return max((one for one in known if subject.startswith(f"{one}-")), key=len, default="")
@@ -232,11 +236,11 @@ _FOLDER = SCENES.parent.resolve()
 
 
 class SuiteHooks:
-    """The hooks for one run of the suite.
+    """The pytest hooks for one run of the suite.
 
     Parameters
     ----------
-    engines : engines, or folders of recorded motions, as typed
+    engines : names of engines, or folders of recorded motions, as typed
     xfails : path of a file of known failures, as typed; None if there is none
 
     Raises
@@ -250,7 +254,7 @@ class SuiteHooks:
         self._known = known_failures(Path(xfails), self._subjects) if xfails else {}
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
-        """Parametrise each test of the suite by the subjects, so that it is run on each of them."""
+        """Parametrise the tests of the suite, so that each is run on every subject."""
         if SUBJECT in metafunc.fixturenames:
             ids = [subject.name for subject in self._subjects]
             metafunc.parametrize(SUBJECT, self._subjects, ids=ids)
@@ -267,9 +271,9 @@ class SuiteHooks:
     def pytest_runtest_makereport(
         self, item: pytest.Item
     ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-        """Add to the report of a failure what it means, and issues that the test would have found.
+        """Add to the report of a failure what it means, and issues that the test would have caught.
 
-        It wraps pytest's own hook, and returns that hook's report.
+        The hook wraps pytest's own hook, and returns its report.
         """
         report = yield
         if _is_of_suite(item) and report.failed:
@@ -279,7 +283,7 @@ class SuiteHooks:
         return report
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
-        """Print which engines, versions and folders the suite was run on."""
+        """Print the engines with their versions, or the folders, that the suite was run on."""
         names = ", ".join(dict.fromkeys(subject.about for subject in self._subjects))
         terminalreporter.write_line(f"spincheck suite on {names}")
 

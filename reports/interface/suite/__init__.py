@@ -1,8 +1,7 @@
 """A test suite for the continuous integration of physics engines.
 
-``pytest --pyargs spincheck.suite --spincheck-engine my_package:MyEngine`` runs it. Its first
-chapter, `test_adapter`, is about the adapter, its second, `test_physics`, about motions:
-docs/how-to/suite.md.
+``pytest --pyargs spincheck.suite --spincheck-engine my_package:MyEngine`` runs it. The module
+`test_adapter` tests the adapter, `test_physics` tests motions: docs/how-to/suite.md.
 """
 
 from pathlib import Path

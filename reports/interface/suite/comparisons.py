@@ -1,4 +1,4 @@
-"""Comparisons of sessions and runs, which the tests of adapters are made of."""
+"""Comparisons of sessions and runs, from which the tests of adapters are built."""
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
@@ -12,17 +12,17 @@ from spincheck.suite.contract_scenes import SCENES
 
 #: Timestep of sessions that are compared, s.
 TIMESTEP = 1e-3
-#: Span of time, s, and number of steps over it with which a method of a given order is in its
-#: asymptotic range.
+#: Time over which orders are observed, s; and, for each declared order, a number of steps over that
+#: time with which a method of this order is in its asymptotic range.
 SPAN = 0.25
 COARSEST = {1: 1024, 2: 128, 3: 128, 4: 16, 5: 32}
-#: Least size of differences that an order is computed from, relative, in units of the machine
-#: epsilon.
+#: Least relative difference of two runs from which an order is computed, in machine epsilons:
+#: smaller differences consist of round-off.
 ABOVE_ROUND_OFF = 1000
 #: A number of steps that is not a power of two.
 ODD_STEPS = 115
-#: Numbers of steps after a restart, at the end of each of which states are compared: what the
-#: restart forgot may show in the first step alone.
+#: Numbers of steps taken one after the other from a restart; states are compared after each. The
+#: first is a single step, as an incomplete restart may change that step alone.
 RESTART_STRIDES = (1, ODD_STEPS - 1)
 #: Number of samples of a run.
 SAMPLES = 8
@@ -31,7 +31,7 @@ SAMPLES = 8
 def able_scenes(
     engine: Engine, method: Method, names: Iterable[str] = SCENES
 ) -> Iterator[Scenario]:
-    """Yield the scenes that a method can simulate; fail the test if there is none.
+    """Yield the scenes of `SCENES` that a method can simulate; fail the test if there is none.
 
     Parameters
     ----------
@@ -44,6 +44,8 @@ def able_scenes(
 
 def moves_as_opened(engine: Engine, method: Method, scene: Scenario, session: Session) -> None:
     """Fail the test unless a restarted session steps like one that is opened at the same state.
+
+    They must agree to the last bit, or to `engine.slack` if the session's restarts round.
 
     Parameters
     ----------
@@ -70,7 +72,7 @@ def apart(first: Session, second: Session) -> float:
 
 
 def moves_apart(engine: Engine, method: Method, other: Method, scene: Scenario) -> bool:
-    """Return whether two methods are in different states after a few steps."""
+    """Return whether two methods, run on a scene, are in different states after a few steps."""
     with (
         engine.open(scene, method, TIMESTEP) as first,
         engine.open(scene, other, TIMESTEP) as second,
@@ -81,9 +83,10 @@ def moves_apart(engine: Engine, method: Method, other: Method, scene: Scenario) 
 
 
 def observed_orders(engine: Engine, method: Method, scene: Scenario) -> tuple[float, float] | None:
-    """Return the orders with which ω and attitude converge, from three runs at halved timesteps.
+    """Return the orders of convergence of ω and of attitude, from runs at three halved timesteps.
 
-    The test fails if a run does not reach its end. None is returned if round-off hides the orders.
+    None is returned if the runs differ by so little that round-off hides the orders. The test fails
+    if a run does not reach its end.
     """
     coarsest = COARSEST.get(method.order, SAMPLES)
     motions: list[Trajectory] = []
@@ -106,7 +109,7 @@ def observed_orders(engine: Engine, method: Method, scene: Scenario) -> tuple[fl
 
 
 def numbers(session: Session) -> FloatArray:
-    """Return all numbers of a session's state, joined, (n,)."""
+    """Return all numbers of a session's state in one array, (n,)."""
     return np.concatenate([np.ravel(column) for column in vars(session.read_state()).values()])
 
 
@@ -122,8 +125,8 @@ def require(
 
     Parameters
     ----------
-    scene : the scene on which it failed; None if it is not about one scene
-    words : what is wrong
+    scene : the scene that the condition is about; None if it is not about one scene
+    words : what is wrong if the condition does not hold
     """
     if not holds:
         where = f" on '{scene.name}'" if scene is not None else ""

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from spincheck.engines import Engine, Method
 
-#: Modules that hold scenes, which are data of tests and no tests themselves.
+#: Files of scenes: pytest must not collect them, as they are data of tests, not tests.
 collect_ignore_glob = ["scenes/*"]
 
 
@@ -13,7 +13,8 @@ collect_ignore_glob = ["scenes/*"]
 def spincheck_subject() -> Any:
     """Return the subject of a test: a method of an engine, or recorded motions.
 
-    The plugin replaces this fixture by parameters if an engine is named; otherwise pytest is ended.
+    If '--spincheck-engine' is given, the plugin provides the subjects in place of this fixture.
+    The fixture itself runs only without that option, and ends pytest with a message.
     """
     pytest.exit(
         "'--spincheck-engine' must name what is tested: my_package:MyEngine, an engine of "
@@ -24,7 +25,7 @@ def spincheck_subject() -> Any:
 
 @pytest.fixture
 def method(spincheck_subject: Any) -> Method:
-    """The method that is tested; recorded motions have none, and the test is skipped."""
+    """The method that is tested; a test of recorded motions, which have none, is skipped."""
     if spincheck_subject.method is None:
         pytest.skip("needs the engine itself, recorded motions do not show it")
     method: Method = spincheck_subject.method

@@ -1,6 +1,6 @@
 """Small scenes, built in memory, with each effect and with bodies that adapters often get wrong.
 
-`SCENES` holds them by name. `scene` builds another from the texts of its TOML tables.
+`SCENES` holds them by name. The function `scene` builds a scene from the texts of its TOML tables.
 """
 
 from spincheck.scenarios import Scenario, loads
@@ -11,15 +11,15 @@ ASYMMETRIC = """
 mass = 1.5
 inertia = [1.0, 2.0, 2.5]
 """
-#: A body whose principal axes are not its frame's, with its com off the origin and off the axis of
-#: ω, so that mix-ups show.
+#: A body whose principal axes are not those of its frame, with its com off the origin and off the
+#: axis of ω: mixed-up axes or points change its motion.
 TILTED = """
 mass = 1.3
 inertia = [[1.4, 0.2, -0.1], [0.2, 1.1, 0.3], [-0.1, 0.3, 0.9]]
 com = [0.15, -0.1, 0.2]
 """
 #: A plate: its largest principal moment is the sum of the other two, and its principal axes are not
-#: its frame's. Readers of models are known to refuse some such bodies.
+#: those of its frame. Some engines' readers of models refuse such bodies.
 TILTED_PLATE = """
 mass = 0.7
 inertia = [[1.5, 0.5, 0.0], [0.5, 1.5, 0.0], [0.0, 0.0, 3.0]]
@@ -50,7 +50,7 @@ omega_body = [0.3, -0.2, 40.0]
 
 PIVOT = "[effects.pivot]\n"
 GRAVITY = "[effects.gravity]\nacceleration = [0.0, 0.0, -9.81]\n"
-#: Gravity along no axis, so that a swapped or flipped component shows.
+#: Gravity along no axis of the world: a swapped or flipped component changes the motion.
 SKEW_GRAVITY = "[effects.gravity]\nacceleration = [1.0, -2.0, -9.0]\n"
 TABLE = "[effects.table]\nheight = 0.1\ntip = [0.0, 0.0, -0.005]\nradius = 0.02\n"
 DRAG = "[effects.drag]\nrotational = 0.3\n"
@@ -58,7 +58,7 @@ TORQUE_BODY = "[effects.torque]\nbody = [0.4, -0.3, 0.2]\n"
 #: A torque for the toy top.
 FEEBLE = "[effects.torque]\nbody = [1e-4, -2e-4, 3e-4]\n"
 TORQUE_WORLD = "[effects.torque]\nworld = [0.4, -0.3, 0.2]\n"
-#: Rotors on each kind of hinge, along no axes, with spins of both signs.
+#: A rotor on each kind of hinge, its axle along no axis of the body; spins have both signs.
 ROTORS = """
 [[rotors]]
 axis = [1.0, 2.0, -1.0]
@@ -112,9 +112,9 @@ def scene(
 
     Parameters
     ----------
-    body, start : the lines of the tables `body` and `start`
-    effects : tables of effects, headings included
-    duration : s
+    body, start : the lines of the TOML tables `body` and `start`
+    effects : TOML tables of effects, headings included
+    duration : length of the window, s
     samples : number of samples
     """
     return loads(
@@ -133,9 +133,9 @@ samples = {samples}
 
 
 def from_elsewhere(scenario: Scenario) -> Scenario:
-    """Return the scene with another attitude, ω, spins and, if free, position and velocity.
+    """Return a scene with another start: attitude, ω, spins, and position and velocity if free.
 
-    A body on a table leans a little the other way, so that the table still pushes.
+    A body on a table leans only a little, in another direction, so that the table still pushes it.
     """
     motion = ((-2.5, 0.5, 1.5), (-0.2, 0.7, 0.1), (1.5, 0.3, -0.6))
     spins = -scenario.rotors.start_spins / 2

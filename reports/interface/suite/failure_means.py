@@ -7,12 +7,12 @@ Test = TypeVar("Test", bound=Callable[..., None])
 
 
 def failure_means(sentence: str, *issues: str) -> Callable[[Test], Test]:
-    """Return a decorator that attaches to a test what its failure means, to be shown if it fails.
+    """Return a decorator that attaches to a test a sentence, shown if the test fails.
 
     Parameters
     ----------
-    sentence : what a failure means
-    issues : public issues that the test would have caught, or pull requests, on GitHub, as
+    sentence : what a failure of the test means
+    issues : issues or pull requests on GitHub about faults that the test would have caught, as
         ``owner/repository#number``
     """
     urls = tuple(f"https://github.com/{issue.replace('#', '/issues/')}" for issue in issues)

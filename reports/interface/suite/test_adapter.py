@@ -1,7 +1,7 @@
-"""The adapter: what every engine must do so that its runs mean what they say.
+"""Tests of an adapter: what every engine must do so that its runs can be trusted.
 
-Each test is about an engine and a method. A method as shipped has fewer requirements: it may hold
-another body and apply other effects than the scene has, but must do so every time.
+Each test is run on an engine and a method. Less is required of a method as shipped: it may hold
+another body and apply other effects than those of the scene, if it does so in every run.
 """
 
 from itertools import pairwise
@@ -28,12 +28,12 @@ from spincheck.suite.failure_means import failure_means
 
 #: Timestep, s; not a power of two.
 ODD_TIMESTEP = 1e-4
-#: How far an order may fall short of the declared one, as in the verdict on a ladder.
+#: How far an observed order may be off the declared one; the verdict on a ladder allows the same.
 ORDER_SLACK = 0.25
-#: Scenes for requirements that do not depend on the scene: free, on a pivot and on a table, with
-#: changing torques.
+#: Scenes for requirements that do not depend on the scene. Bodies are free, on a pivot or on a
+#: table, and some torques change with time.
 FEW = ("free", "free-torque-body", "heavy-tilted", "table-torque-body", "everything")
-#: Scenes for restarts: also a free body whose com is not its origin.
+#: Scenes for restarts: those of `FEW`, a free body whose com is not its origin, drag, and rotors.
 RESTARTED = (*FEW, "free-falling", "pivot-drag", "free-rotors", "pivot-rotors")
 
 
@@ -63,7 +63,10 @@ def test_holds_the_scene_and_only_its_effects_act(engine: Engine, method: Method
     "ArduPilot/ardupilot#26972",
 )
 def test_begins_as_the_equations_of_motion_say(engine: Engine, method: Method) -> None:
-    """The first steps obey Euler's and Newton's equations of the scene: effects, units, frames."""
+    """The first steps obey Euler's and Newton's equations of the scene: effects, units, frames.
+
+    They are single steps from states of the exact motion.
+    """
     for scene in able_scenes(engine, method):
         residuals = physics_in_words(engine, scene, method)
         require(not residuals, engine, method, scene, residuals)
@@ -78,7 +81,8 @@ def test_begins_as_the_equations_of_motion_say(engine: Engine, method: Method) -
 def test_order_of_accuracy(engine: Engine, method: Method) -> None:
     """ω and attitude converge on all scenes with at least the declared orders.
 
-    On some scene each converges with no more than its declared order.
+    On at least one scene, each converges with no more than its declared order. `ORDER_SLACK` is
+    allowed for.
     """
     if method.as_shipped:
         return
@@ -178,7 +182,10 @@ def test_shares_no_memory_between_sessions(engine: Engine, method: Method) -> No
 
 @failure_means("States that are recorded are of another time than those that are read.")
 def test_records_what_it_reads(engine: Engine, method: Method) -> None:
-    """The snapshots of a run equal the states that are read one by one."""
+    """The snapshots of a run equal the states that are read one by one.
+
+    They may differ by rounding.
+    """
     for scene in able_scenes(engine, method, FEW):
         snapshots: list[object] = []
         with (
@@ -201,8 +208,8 @@ def test_records_what_it_reads(engine: Engine, method: Method) -> None:
 def test_restarts_as_it_opens(engine: Engine, method: Method) -> None:
     """After a run, a restarted session steps like a session that is opened at the same state.
 
-    It is restarted from the scene's start and from another state, at another timestep than before.
-    The same restart again gives the same motion, to the last bit.
+    The session is restarted from the scene's start and from another state, and at another timestep
+    than before. A second restart from the same state gives the same motion, to the last bit.
     """
     for scene in able_scenes(engine, method, RESTARTED):
         with engine.open(scene, method, ODD_TIMESTEP) as session:
@@ -230,7 +237,7 @@ def test_restarts_as_it_opens(engine: Engine, method: Method) -> None:
 def test_differs_from_every_other_method(engine: Engine, method: Method) -> None:
     """A method's motion differs from that of each other method on some scene.
 
-    Methods as shipped are left out, as they may equal another.
+    Methods as shipped are left out, as their steps may be those of a clean method.
     """
     if method.as_shipped:
         return

@@ -1,8 +1,8 @@
-"""The motion itself: each test is about one thing that engines are known to get wrong.
+"""Tests of motions: each is about one thing that engines are known to get wrong.
 
-Each has a scene in which that thing matters and other things matter as little as possible, and
-whose exact motion is known. A method passes if its motions at halved timesteps converge to the
-exact motion. Methods as shipped are judged like any other.
+The scene of a test is one in which that thing matters, and other things matter as little as
+possible. A method passes if its motions at halved timesteps converge to the exact motion. Methods
+as shipped are judged like any other.
 """
 
 from typing import Any

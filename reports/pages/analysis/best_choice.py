@@ -1,4 +1,7 @@
-"""The cheapest choice that is accurate enough, among a scene's runs and timesteps between them."""
+"""The cheapest method and timestep that are accurate enough on a scene.
+
+A best choice is one of the runs; a candidate's timestep may lie between those of two runs.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -25,11 +28,12 @@ class Candidate:
 
     Attributes
     ----------
+    key : scene, engine and method
     word, reason : how timestep and cost are known, or why a bound is out of reach, in one word and
         in a sentence
     decided_by : the signal whose bound needs the smallest timestep, or cannot be reached
-    largest_stable : the longest timestep of a ladder at which, and at all shorter ones, runs ended
-        well, s; None if the finest run did not
+    largest_stable : the longest timestep of the ladder, s, such that runs at that and at all
+        shorter timesteps ended `ok`; None if the finest run did not
     finest_useful : timestep below which the error in the signal `decided_by` grows by rounding, s;
         None if no run shows that
     bias : bias of the rounding, ulp of single precision a step; None if no bias is shown
@@ -58,11 +62,14 @@ class Candidate:
 def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
     """Return the timestep and cost with which each method stays within all error bounds.
 
-    The cheapest method comes first.
+    The cheapest method comes first. Methods for which a bound is out of reach, or whose steps were
+    not timed, come last. Two kinds of methods are left out: those as shipped, since they may
+    simulate something else than the scene, and those that load users' model files. The scene must
+    have been solved.
 
-    Methods for which a bound is out of reach, or whose steps were not timed, come last.
-    Engines as shipped are left out, since they may simulate something else than the scene, and so
-    are methods that load users' model files. The scene must have been solved.
+    Parameters
+    ----------
+    bounds : the largest error allowed in each signal: attitude in rad, others relative
     """
     offered = [runs for runs in scene.methods if runs.is_recommendable]
     offers = [_candidate(scene, runs, bounds) for runs in offered]
@@ -72,7 +79,7 @@ def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
 def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the candidates that cost as much as the first, within the spread of its timings.
 
-    The first itself is left out. There are none if the first has no cost.
+    The first itself is left out. The list is empty if the first has no cost.
 
     Parameters
     ----------
@@ -88,7 +95,7 @@ def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
 def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candidate:
     """Return a method with the longest timestep at which it stays within every bound, and its cost.
 
-    Timestep and cost are None if a bound is out of reach, or no step was timed.
+    Timestep and cost are None if a bound is out of reach or no step was timed.
     """
     curves = {signal: curve_of(scene, runs, signal) for signal in bounds}
     reached = {signal: reach(curves[signal], bound) for signal, bound in bounds.items()}
@@ -118,8 +125,8 @@ def _candidate(scene: SceneRuns, runs: MethodRuns, bounds: ErrorBounds) -> Candi
 def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
     """Return the timestep, s, below which a method's errors of attitude or ω grow by rounding.
 
-    It is the longer of the timesteps for attitude and for ω; None if no run shows growing errors,
-    or the scene could not be solved.
+    The longer of the timesteps for attitude and for ω is returned. It is None if no run shows
+    growing errors, or if the scene could not be solved.
     """
     if scene.solved is None:
         return None
@@ -127,22 +134,24 @@ def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
     return max(filter(None, found), default=None)
 
 
-#: Bounds of a best choice: attitude in rad; ω relative to its largest value.
+#: Bounds on the errors of a best choice: of attitude, rad; of ω, relative to its largest value.
 ATTITUDE_WITHIN, OMEGA_WITHIN = math.radians(0.1), 1e-3
-#: A motion tells methods apart if the error of uniform rotation from the same start exceeds a bound
-#: by this factor.
+#: A motion tells good methods from bad ones if a body that rotates uniformly from the same start
+#: has an error that is larger than a bound by this factor.
 TELLING = 10.0
 BOUNDS: ErrorBounds = {"attitude": ATTITUDE_WITHIN, "omega": OMEGA_WITHIN}
 
 
 @dataclass(frozen=True, eq=False)
 class BestChoice:
-    """The cheapest run of a scene that is accurate enough.
+    """The cheapest run on a scene whose errors are within `BOUNDS`, or else the most accurate run.
 
     Attributes
     ----------
+    runs : all runs of the method
+    row : the run itself
     cost : CPU seconds for a simulated second; None if nothing was timed
-    within : whether the run's errors are within `BOUNDS`; if not, it is the most accurate run
+    within : whether the run's errors are within `BOUNDS`
     finest_useful : timestep below which the method's errors grow by rounding, s; None if no run
         shows that
     """
@@ -155,30 +164,30 @@ class BestChoice:
 
     @property
     def timestep(self) -> float:
-        """The run's timestep, rounded down to few digits, s; stock timesteps are unchanged."""
+        """The run's timestep, s, as users type it: `to_type` rounds it unless it is a stock one."""
         timestep = self.row.timestep
         return timestep if self.row.stock else to_type(timestep, self.finest_useful)
 
     @property
     def setup(self) -> str:
-        """What users write to use the method at this timestep; empty if the adapter states none."""
+        """What users write to set method and timestep; empty if the adapter does not state it."""
         return self.runs.setup(self.timestep)
 
 
 def best_choice(scene: SceneRuns) -> BestChoice | None:
-    """Return the first of `best_choices`, the best of all engines; None if there is none."""
+    """Return the best choice on a scene among all engines; None if there is none."""
     return next(iter(best_choices(scene)), None)
 
 
 def best_choices(scene: SceneRuns) -> list[BestChoice]:
     """Return the best choice of each engine, the best of all first.
 
-    A best choice is the cheapest run within `BOUNDS` by a method that converges, or, if there is no
-    such run, the most accurate run by such a method. There are no best choices if the scene could
-    not be solved, or its motion does not tell methods apart (`steady`).
+    A best choice is the cheapest run within `BOUNDS` by a method that converges. If an engine has
+    no such run, it is the most accurate run by such a method. There are no best choices if the
+    scene could not be solved, or if its motion does not tell methods apart (`steady`).
 
-    Engines as shipped, methods that load users' model files, and runs that are no better than no
-    motion are left out; so are untimed runs if any run was timed.
+    Methods as shipped, methods that load users' model files, and runs that are no better than no
+    motion are left out. Runs that were not timed are left out if any run was timed.
     """
     if scene.solved is None or steady(scene.solved, BOUNDS):
         return []
@@ -197,10 +206,9 @@ def best_choices(scene: SceneRuns) -> list[BestChoice]:
 
 
 def to_type(timestep: float, finest: float | None) -> float:
-    """Return a timestep, s, rounded down to two digits.
+    """Return a timestep, s, rounded down to two digits, as users type it.
 
-    If rounding would take it below `finest`, `finest` is returned. A timestep that is below
-    `finest` already is rounded all the same.
+    If the timestep is at least `finest` but the rounded one is below that, `finest` is returned.
 
     Parameters
     ----------
@@ -213,11 +221,15 @@ def to_type(timestep: float, finest: float | None) -> float:
 def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
     """Return why a scene's motion does not tell good methods from bad ones; empty if it does.
 
-    It does not if the errors of a trivial forecast are at most `TELLING` times the bounds. The
-    forecast is a body that goes on with its ω and velocity at the start. Its errors are compared
-    with the bounds on attitude and ω, taken from `BOUNDS` if not given; if there are bounds on the
-    com or its velocity alone, with those. On skill relative to a trivial forecast see A. H. Murphy,
-    Mon. Wea. Rev. 116 (1988) 2417.
+    It does not if a trivial forecast has errors of at most `TELLING` times the bounds. In the
+    forecast, the body keeps the ω and the velocity that it has at the start. Its errors are
+    compared with the bounds on attitude and ω; a bound that is not given is taken from `BOUNDS`. If
+    all given bounds are on the com and its velocity, those are used instead. On skill relative to a
+    trivial forecast see A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417.
+
+    Parameters
+    ----------
+    bounds : the largest error allowed in each signal: attitude in rad, others relative
     """
     errors = _errors_of_uniform_motion(solved)
     if bounds and bounds.keys() <= {"com", "velocity"}:
@@ -237,16 +249,13 @@ def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
 
 
 def nothing_because(scene: SceneRuns) -> str:
-    """Return why nothing is recommended on a scene, in a sentence.
-
-    There must be no best choice on the scene.
-    """
+    """Return a sentence on why nothing is recommended on a scene that has no best choice."""
     reason = steady(scene.solved, BOUNDS) if scene.solved else "its exact motion is not known"
     return f"Nothing is recommended: {reason or 'no method converges on this scene'}."
 
 
 def within_in_words(bounds: ErrorBounds) -> str:
-    """Return bounds, or errors, as users read them: 0.1° in attitude and 0.001 in ω."""
+    """Return bounds or errors as text for users, such as "0.1° in attitude and 0.001 in ω"."""
     parts = []
     for name, bound in bounds.items():
         size = f"{math.degrees(bound):.3g}°" if SIGNAL[name].unit else f"{bound:.3g}"
@@ -255,7 +264,7 @@ def within_in_words(bounds: ErrorBounds) -> str:
 
 
 def _errors_of_uniform_motion(solved: SceneResult) -> Errors:
-    """Return the errors of a body that keeps its angular and linear velocity of the start."""
+    """Return the errors of a body that keeps the ω and the velocity that it has at the start."""
     exact = solved.solution.trajectory
     omega, velocity = (
         one[:1].repeat(len(exact.t), axis=0) for one in (exact.omega_body, exact.velocity_world)
@@ -272,7 +281,11 @@ def _errors_of_uniform_motion(solved: SceneResult) -> Errors:
 
 
 def _rank(one: BestChoice) -> tuple[bool, float, float]:
-    """Return a sort key: choices within the bounds by cost and timestep, then others by error."""
+    """Return a sort key, by which choices within the bounds come first.
+
+    Those are sorted by cost, and at equal cost by timestep, the longest first; the others are
+    sorted by attitude error.
+    """
     assert one.row.errors is not None, "only a run with errors is chosen"
     if one.within:
         return False, one.cost or 0.0, -one.row.timestep
@@ -280,7 +293,7 @@ def _rank(one: BestChoice) -> tuple[bool, float, float]:
 
 
 def _within(scene: SceneRuns, row: Row) -> bool:
-    """Whether a run's errors are within `BOUNDS`; each counts as at least its uncertainty."""
+    """Whether a run's errors, none taken as less than its uncertainty, are within `BOUNDS`."""
     assert row.errors is not None, "only a run with errors is chosen"
     limits = scene.uncertainty(row)
     return all(max(row.errors[name], limits[name]) <= bound for name, bound in BOUNDS.items())

@@ -1,7 +1,7 @@
-"""Compares two result files: all changes, and which of them are regressions.
+"""Compares two result files: lists all changes, and which of them are regressions.
 
-A number that differs by less than rounding, the reference's uncertainty or the scatter of timings
-counts as unchanged.
+An error counts as unchanged if it differs by no more than rounding and the reference's uncertainty
+explain; a cost, if it differs by no more than timings scatter.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -16,13 +16,13 @@ from ...results.verdicts import Verdict
 from .observed_order import ASYMPTOTIC
 from .report_data import MethodRuns, SceneRuns, report_data
 
-#: Factor by which an error must differ to count as changed: at the same timestep, an engine that
-#: computes the same makes the same error, up to rounding.
+#: Factor by which an error must differ to count as changed. An engine that computes the same makes
+#: the same error at the same timestep, up to rounding.
 ERROR_FACTOR = 1.1
-#: Factor by which a cost must differ to count as changed; it must also differ by more than the sum
-#: of both spreads. When 497 methods were timed three times each on one processor that was busy with
-#: other work, no two times of a method differed by more than a factor of 1.18, though up to 12 % of
-#: them by more than both spreads. Of steps that cost twice as much, 99 % are detected.
+#: Factor by which a cost must differ to count as changed. It must also differ by more than the sum
+#: of both spreads. When 497 methods were timed three times each on a processor that was busy with
+#: other work, no two times of a method differed by a factor of more than 1.18; up to 12 % of the
+#: pairs differed by more than both spreads. Of steps that cost twice as much, 99 % are detected.
 COST_FACTOR = 1.25
 #: The outcomes of runs, from good to bad.
 OUTCOMES: tuple[Outcome, ...] = ("ok", "unsupported", "diverged", "failed")
@@ -39,13 +39,14 @@ class Change:
 
     Attributes
     ----------
-    name : what has changed, by its kind: the entry of the environment, the scene, the method, the
-        signal of an error, the expectation, "seconds_per_step" for a cost, else the kind itself
+    kind : the kind of thing that has changed, such as "verdict"
+    name : the thing that has changed: an entry of the environment, a scene, a method, the signal of
+        an error, or an expectation; "seconds_per_step" for a cost; for other kinds, the kind itself
     old, new : the values in the two files; None if missing
     direction : whether the change is for the worse, for the better, or neither
-    regression : whether it is for the worse, and due to the engine or program under test
-    scenario, engine, method, timestep : what the changed results belong to, timestep in s; None
-        if the change is not of one scene, engine, method or timestep
+    regression : whether the change is for the worse, and due to the engine or program under test
+    scenario, engine, method, timestep : scene, engine, method and timestep, s, of what has changed;
+        None for each that the change is not specific to
     """
 
     kind: Kind
@@ -61,7 +62,10 @@ class Change:
 
 
 def changes(old: Results, new: Results) -> list[Change]:
-    """Return all changes: of the environment and scenes first, then of methods, then of runs."""
+    """Return all changes: of environment, scenes and methods first, then of their results.
+
+    Runs and costs are compared only on scenes whose motion is the same in both files.
+    """
     edited = {name for name in old.scenes.keys() & new.scenes.keys() if _edited(name, old, new)}
     differences = [*_environment(old.environment, new.environment), *_scenes(old, new, edited)]
     differences += _methods(old, new)
@@ -77,30 +81,30 @@ def changes(old: Results, new: Results) -> list[Change]:
     return differences
 
 
-#: In one file, the results of a method on a scene, and the scene.
+#: A scene, and the runs of one method on it, in one file.
 _OfKey = tuple[SceneRuns, MethodRuns]
 
 
 def _by_key(results: Results) -> dict[Key, _OfKey]:
-    """Return, by key, each scene together with the runs of one method on it."""
+    """Return the runs of each method on each scene, together with the scene, by their key."""
     scenes = report_data(results).scenes
     return {Key(one.name, *runs.pair): (one, runs) for one in scenes for runs in one.methods}
 
 
 def _environment(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Change]:
-    """Yield a change for each entry of the environment, but the date, that differs."""
+    """Yield a change for each entry of the environment that differs; the date is left out."""
     for name in sorted((old.keys() | new.keys()) - {"date"}):
         if old.get(name) != new.get(name):
             yield Change("environment", name, old.get(name), new.get(name))
 
 
 def _edited(name: str, old: Results, new: Results) -> bool:
-    """Return whether a scene's motion differs; its title and comments do not count."""
+    """Return whether a scene's motion differs between two files; titles and comments may differ."""
     return old.scenes[name].scenario.digest != new.scenes[name].scenario.digest
 
 
 def _scenes(old: Results, new: Results, edited: set[str]) -> Iterator[Change]:
-    """Yield a change for each scene that is in one file only, or was edited.
+    """Yield a change for each scene that is in one file only, or whose motion differs.
 
     Parameters
     ----------
@@ -123,26 +127,26 @@ def _methods(old: Results, new: Results) -> Iterator[Change]:
 
 
 def _presence(before: bool) -> tuple[str | None, str | None]:
-    """Return the old and the new value of a change of what is in one file only.
+    """Return the old and the new value for a scene or method that only one file has.
 
-    The value is "there" for the file that has it, and None for the other.
+    The value is "there" for the file that has it, and None for the other file.
 
     Parameters
     ----------
-    before : whether the old file has it
+    before : whether the old file has the scene or method
     """
     return ("there", None) if before else (None, "there")
 
 
 def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Yield a change if the verdict's word differs."""
+    """Yield a change if the words of the verdicts differ, or if only one file has a verdict."""
     before, after = old.verdict if old else None, new.verdict if new else None
     if before != after:
         yield _change_of_word(key, "verdict", before, after, tuple(RANKS))
 
 
 def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Yield a change if both verdicts are `converges` and gains vanish at different orders."""
+    """Yield a change if both verdicts are `converges` but the orders of steps differ."""
     before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
     if before is None or after is None or before == after:
         return
@@ -182,13 +186,13 @@ def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
 def _errors(
     old: Row, new: Row, old_noise: Mapping[str, float], new_noise: Mapping[str, float]
 ) -> Iterator[Change]:
-    """Yield a change for each signal in which the errors of two runs differ beyond noise.
+    """Yield a change for each signal in which the errors of two runs differ.
 
-    They must differ by `ERROR_FACTOR`, too; see `_has_changed`.
+    They must differ by more than noise and by more than `ERROR_FACTOR` (`_has_changed`).
 
     Parameters
     ----------
-    old_noise, new_noise : noise of the errors of each run, by signal
+    old_noise, new_noise : noise of each run's errors, by signal
     """
     if old.errors is None or new.errors is None:
         return
@@ -203,8 +207,8 @@ def _errors(
 def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
     """Return the noise of a run's errors, by signal.
 
-    It is the uncertainty of the reference, plus the rounding of every step, multiplied by the
-    conditioning.
+    It is the uncertainty of the reference, plus the conditioning times the number of steps, as each
+    step rounds by an ulp.
     """
     growth, bound = scene.exact.solution.conditioning, scene.uncertainty(row)
     names = (signal.name for signal in scene.signals)
@@ -212,9 +216,9 @@ def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
 
 
 def _has_changed(old: float, new: float, noise: float) -> bool:
-    """Return whether an error has changed by more than noise, and by more than `ERROR_FACTOR`.
+    """Return whether an error has changed by more than noise and by more than `ERROR_FACTOR`.
 
-    Two errors that are both beyond the asymptotic range never count as changed.
+    Two errors that are both too large for the asymptotic range never count as changed.
 
     Parameters
     ----------
@@ -225,13 +229,14 @@ def _has_changed(old: float, new: float, noise: float) -> bool:
 
 
 def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Change]:
-    """Yield a change if a step's cost differs by more than `COST_FACTOR` and the timings' spreads.
+    """Yield a change if the cost of a step differs by more than `COST_FACTOR` and both spreads.
 
     Nothing is yielded unless steps were timed in both files.
 
     Parameters
     ----------
-    same_machine : whether both files are of one machine; if not, no change is a regression
+    same_machine : whether both files come from the same processor; if not, no change of cost is a
+        regression
     """
     before, after = _seconds(old[1].rows), _seconds(new[1].rows)
     if before is None or after is None:
@@ -259,11 +264,11 @@ def _change_of_word(
     scale: Sequence[str],
     timestep: float | None = None,
 ) -> Change:
-    """Return the change of a verdict or an outcome, judged by a scale.
+    """Return the change of a verdict or an outcome, for the worse or the better by a scale.
 
     Parameters
     ----------
-    old, new : the word in the two files; None if missing
+    old, new : the word in the two files; None if missing, and then the change is neither
     scale : the words from good to bad
     timestep : s; None for a verdict
     """
@@ -281,12 +286,12 @@ def _judged(
     worse: bool,
     timestep: float | None = None,
 ) -> Change:
-    """Return a change for the better, or one for the worse, which counts as a regression.
+    """Return a change for the worse, which counts as a regression, or one for the better.
 
     Parameters
     ----------
     worse : whether the change is for the worse
-    timestep : s; None for a change that is not of one timestep
+    timestep : s; None if the change is not at one timestep
     """
     direction: Direction = "worse" if worse else "better"
     return Change(kind, name, old, new, direction, worse, **asdict(key), timestep=timestep)

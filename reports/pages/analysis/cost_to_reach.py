@@ -1,7 +1,8 @@
 """The cost at which a method stays within an error, on a scene and over all scenes.
 
-It is interpolated between two runs, or extrapolated below the finest; otherwise there is a reason
-why the error cannot be reached. docs/explanation/cost.md has the rules and their constants.
+The cost is interpolated between two runs, or extrapolated below the finest run. If it is neither,
+there is a reason why the error is out of reach. docs/explanation/cost.md has the rules and their
+constants.
 """
 
 import math
@@ -14,15 +15,15 @@ from .in_memory import Tables
 from .observed_order import SETTLING_ORDER
 from .work_precision import Curve, CurvePoint, slope
 
-#: Errors at which methods are compared, relative (attitude: rad): useful to excellent.
+#: Errors at which methods are compared, relative (attitude: rad), from useful to excellent.
 LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-#: One scene's curves in one error, one for each method.
+#: The curves of all methods on one scene, in the errors of one signal.
 SceneCurves = Sequence[Curve]
 
 #: By engine, method and level of error: the number of scenes on which the method reaches the level,
-#: the number of those on which it does so by extrapolation only, and the median cost, CPU seconds
-#: for a simulated second. The median is over the scenes that the method can simulate; the cost
-#: counts as infinite on those on which it does not reach the level.
+#: the number of those on which that is known by extrapolation only, and the median cost, CPU
+#: seconds for a simulated second. The median is over the scenes that the method can simulate; on a
+#: scene on which the method does not reach the level, its cost counts as infinite.
 Tallies = dict[tuple[str, str, float], tuple[int, int, float | None]]
 
 
@@ -32,7 +33,7 @@ def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> 
     Parameters
     ----------
     scenes : the curves of all methods on each scene, in the errors of one signal
-    levels : the errors to reach
+    levels : the errors to reach, relative, or in rad if the signal is the attitude
     """
     lines = (
         (*curve.pair, level, reached.word, reached.cost)
@@ -48,10 +49,10 @@ def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> 
     return {(engine, method, level): tuple(counts) for engine, method, level, *counts in found}
 
 
-#: Words for how the cost of a level is known: "measured" between two runs, "at most" that of the
-#: coarsest run, "extrapolated" below the finest run.
+#: Words for how the cost of an error is known: "measured" between two runs, "at most" the cost of
+#: the coarsest run, "extrapolated" below the finest run.
 How = Literal["measured", "at most", "extrapolated"]
-#: Words for why a level is out of reach.
+#: Words for why an error is out of reach.
 Barrier = Literal[
     "round-off",
     "reference limit",
@@ -71,8 +72,9 @@ class Reach:
     ----------
     level : the error
     word : how the cost is known, or why the error is out of reach
-    reason : the word's meaning in a sentence
-    timestep, cost : s, and CPU seconds for a simulated second; None if out of reach
+    reason : the same in a sentence
+    timestep : s; None if the error is out of reach
+    cost : CPU seconds for a simulated second; None if the error is out of reach
     floor : the error that rounding may cause; None unless the timestep is extrapolated or rounding
         keeps the error out of reach
     """
@@ -88,10 +90,11 @@ class Reach:
 def reach(curve: Curve, level: float) -> Reach:
     """Return the timestep and cost with which a method stays within an error, or why it cannot.
 
-    If the coarsest stable run is within the error already, its own timestep is returned. Else the
-    timestep is interpolated between two runs, or extrapolated below the finest. An interpolated
-    timestep is on the safe side: the error there is assumed to be that of the finer run, multiplied
-    by (dt ratio)^p, where p is the steeper of the slopes on either side of the finer run.
+    If the coarsest stable run is within the error already, its own timestep is returned. Otherwise
+    the timestep is interpolated between two runs, or extrapolated below the finest run. For
+    interpolation, the error is assumed to grow from that of the finer run as Δtᵖ, where p is the
+    steeper of the slopes on either side of that run. The timestep is then rather too short than
+    too long.
 
     Parameters
     ----------
@@ -116,10 +119,10 @@ def reach(curve: Curve, level: float) -> Reach:
 
 
 def _first_within(curve: Curve, level: float) -> int | None:
-    """Return the index of the coarsest stable run that is within an error, as all finer runs are.
+    """Return the index of the coarsest stable run that is, like all finer runs, within an error.
 
-    A finer run may have a larger error if rounding explains it, since rounding adds more to finer
-    runs. None is returned if no run is within the error.
+    A finer run may exceed the error if rounding explains that, since rounding adds more to finer
+    runs. None is returned if there is no such run.
     """
     errors = [point.error for point in curve.stable]
     finest = curve.least.timestep if curve.least else 0.0
@@ -133,28 +136,28 @@ def _first_within(curve: Curve, level: float) -> int | None:
 
 
 def _below_finest(curve: Curve, level: float, order: float) -> float:
-    """Return the timestep at which an error below those of all runs is reached, by extrapolation.
+    """Return the timestep, s, at which a method reaches an error that is below those of all runs.
 
     It is extrapolated from the finest run whose error is larger than rounding explains.
 
     Parameters
     ----------
-    order : order with which errors shrink
+    order : order with which errors are assumed to shrink
     """
     finest = above_round_off(curve)[-1]
     return float(finest.timestep * (level / finest.error) ** (1 / order))
 
 
 def above_round_off(curve: Curve) -> list[CurvePoint]:
-    """Return the stable runs whose errors are larger than rounding explains, coarse to fine."""
+    """Return the stable runs whose errors are too large for rounding alone, coarse to fine."""
     return [point for point in curve.stable if point.error > curve.floor(point.timestep)]
 
 
 def _below_the_ladder(curve: Curve, level: float) -> Reach:
     """Return the timestep and cost for an error below those of all runs, by the observed order.
 
-    The result has only a reason if the method does not converge, no run is stable, the error is
-    relative to zero, errors show no order, or rounding keeps the error out of reach.
+    They are None if the method does not converge, if no run is stable, if the error is relative to
+    zero, if errors show no order, or if rounding keeps the error out of reach.
     """
     if curve.verdict != "converges":
         return Reach(level, curve.verdict or "no verdict", curve.reason)
@@ -175,8 +178,8 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
     order = curve.observed_order
     if order is None or order < SETTLING_ORDER:
         return Reach(level, "no order", "no run is within it, and the errors show no order")
-    # The slope tends to a whole number as dt → 0; if it tends to it from above, that number is
-    # smaller.
+    # The slope tends to a whole number as dt → 0. The smaller of both is used, as it may do so from
+    # above.
     timestep = _below_finest(curve, level, min(order, max(1, round(order))))
     floor = curve.floor(timestep)
     if floor >= level:
@@ -189,7 +192,7 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
 
 
 def _priced(curve: Curve, level: float, how: How, reason: str, timestep: float) -> Reach:
-    """Return the cost of a timestep, s, as a `Reach`; "not timed" if no step was timed."""
+    """Return a timestep, s, with its cost as a `Reach`; its word is "not timed" without timings."""
     if curve.seconds_per_step is None:
         return Reach(level, "not timed", f"a timestep of {timestep:.3g} s, its steps not timed")
     return Reach(level, how, reason, timestep, curve.seconds_per_step / timestep)

@@ -1,4 +1,4 @@
-"""Methods' timesteps below which rounding makes errors grow, and biases of rounding, in words."""
+"""What rounding does to methods: timesteps below which their errors grow, and biases, in words."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,20 +31,20 @@ class Finest:
 
     @property
     def timestep_in_words(self) -> str:
-        """The range of the timesteps below which errors grow; empty if no scene shows one."""
+        """The range of the timesteps below which errors grow, as text; empty if there are none."""
         return span(self.timesteps) if self.timesteps else ""
 
     @property
     def bias_in_words(self) -> str:
-        """The bias in words, as in "biased by 1.3 ulp a step"; empty if no scene shows one."""
+        """The bias in words, such as "biased by 1.3 ulp a step"; empty if there is none."""
         return "" if self.bias is None else f"biased by {self.bias:.2g} ulp a step"
 
 
 def finest_timesteps(gathered: ReportData) -> dict[Pair, Finest]:
-    """Return what rounding does to methods; those on which it has no effect are left out.
+    """Return what rounding does to methods, over all scenes.
 
-    An effect is a timestep below which errors grow, or a bias, on any scene. The methods with the
-    longest such timesteps come first.
+    Only methods are included that have, on any scene, a timestep below which errors grow, or a
+    bias. The methods with the longest such timesteps come first.
     """
     shown: dict[Pair, list[tuple[str, float | None, float | None]]] = {}
     for scene in gathered.scenes:
@@ -64,7 +64,10 @@ def finest_timesteps(gathered: ReportData) -> dict[Pair, Finest]:
 
 
 def finest_in_words(shown: Sequence[Finest]) -> list[str]:
-    """Return which methods rounding affects, in up to two sentences without their full stops."""
+    """Return at most two sentences, without full stops, on methods that rounding affects.
+
+    One is about timesteps below which errors grow; the other is about methods with a bias alone.
+    """
     worse = [
         ", ".join(filter(None, (f"{one.label} {one.timestep_in_words}", one.bias_in_words)))
         for one in shown
@@ -76,6 +79,6 @@ def finest_in_words(shown: Sequence[Finest]) -> list[str]:
 
 
 def _first(names: Sequence[str]) -> str:
-    """Return the first `NAMED` names as a list in words, and how many others there are."""
+    """Return the first `NAMED` names as a text, with the number of the others."""
     more = len(names) - NAMED
     return "; ".join(names[:NAMED]) + (f"; and {plural(more, 'other method')}" if more > 0 else "")

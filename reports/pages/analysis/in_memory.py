@@ -11,13 +11,13 @@ from weakref import finalize
 class Tables:
     """Tables that are filled once, and queried in SQL with the aggregates `median`, `median_high`.
 
-    `median_high` is the larger of two middle numbers, where `median` is their mean: it is defined
-    if one of them is infinite, as errors and costs may be (9e999).
+    If two values are in the middle, `median` is their mean, and `median_high` is the larger one.
+    Infinite errors and costs are written as 9e999 in queries.
 
     Parameters
     ----------
-    lines : the rows of each table, by the name of the table followed by those of its columns, as in
-        ``run (scene, engine)``
+    lines : the rows of each table; its key is the name of the table followed by the names of its
+        columns, such as ``run (scene, engine)``
     views : SQL statements that define views
     """
 
@@ -39,14 +39,17 @@ class Tables:
 
 
 class _Aggregate:
-    """An SQL aggregate: a statistic of all numbers that are not NULL; NULL if there is none."""
+    """An SQL aggregate: a statistic of the numbers that are not NULL; NULL if all are.
+
+    The method names are those that `sqlite3` calls.
+    """
 
     def __init__(self, of: Callable[[list[float]], float]) -> None:
         self._of = of
         self._values: list[float] = []
 
     def step(self, value: float | None) -> None:
-        """Take the next value; NULL is None."""
+        """Take the next value into account; None, which stands for NULL, is ignored."""
         if value is not None:
             self._values.append(value)
 

@@ -15,14 +15,14 @@ DEGREES = SIGNAL["attitude"].shown
 
 @dataclass(frozen=True)
 class Measure:
-    """A number of a run that people read, such as its attitude error in degrees.
+    """A number that is shown of each run, such as its attitude error in degrees.
 
     Attributes
     ----------
     title : name with its unit
-    of : returns the number of a run; None if it is not known. A run that did not finish has the
-        worst possible number, or that of the part up to its end
-    more_is_better : whether the best run has the largest number
+    of : function that returns the number of a run; None if it is not known. A run that did not
+        finish has the worst possible number, or the number of the part up to where it ended
+    more_is_better : whether larger numbers are better
     """
 
     title: str
@@ -39,10 +39,10 @@ def _attitude(row: Row) -> float | None:
 
 
 def _turns(row: Row) -> float | None:
-    """Return the turns of the motion until a run's attitude is off by 1°, or the run ends early.
+    """Return the number of turns of the motion until a run's attitude is off by 1°.
 
-    It is inf if a run that finished is never off by 1°, 0 if nothing is known of a run that did not
-    finish, and None if nothing is known of a run that finished.
+    For a run that did not finish and was never off by 1°, it is the number of turns up to its end;
+    0 if not known. For a run that finished, it is inf if never off by 1°, None if not known.
     """
     if row.turns is None:
         return None if row.errors else 0.0
@@ -52,7 +52,10 @@ def _turns(row: Row) -> float | None:
 
 
 def _a_turn(row: Row) -> float | None:
-    """Return the attitude error that a turn adds, degrees; inf if unfinished, None if unknown."""
+    """Return the attitude error that a turn adds, degrees; None if it is not known.
+
+    It is inf for a run that did not finish.
+    """
     if row.errors is None:
         return math.inf
     return None if row.attitude_a_turn is None else row.attitude_a_turn * DEGREES
@@ -61,7 +64,7 @@ def _a_turn(row: Row) -> float | None:
 ATTITUDE = Measure(SIGNAL["attitude"].error_title, _attitude)
 TURNS = Measure("turns until the attitude is 1° off", _turns, True)
 A_TURN = Measure("attitude error a turn, °", _a_turn)
-#: Quantiles that are shown. They are order statistics: each is the value of one of the members.
+#: Quantiles that are shown. Each is an order statistic: the value of one of the members.
 QUANTILES = {"p50": 0.5, "p95": 0.95, "p99": 0.99, "largest": 1.0}
 
 
@@ -71,7 +74,9 @@ class Members:
 
     Attributes
     ----------
-    points : runs in the members' order; members that the method cannot simulate are left out
+    pair : engine and method
+    points : the runs, in the order of the members; members that the method cannot simulate are
+        left out
     """
 
     pair: Pair
@@ -79,7 +84,7 @@ class Members:
 
     @property
     def finished(self) -> tuple[Row, ...]:
-        """The runs that finished, all of which have errors."""
+        """The runs that finished, which are those with errors."""
         return tuple(point for point in self.points if point.errors is not None)
 
     def errors(self, measure: Measure) -> FloatArray:
@@ -87,10 +92,10 @@ class Members:
         return _known(measure, self.finished)
 
     def quantiles(self, measure: Measure) -> tuple[float | None, ...] | None:
-        """Return a measure's values at `QUANTILES`, from the best to the worst.
+        """Return a measure's values at `QUANTILES`, from the median to the worst.
 
-        p95 and p99 are None if they would be the worst value itself: p99 needs 100 members.
-        None is returned if no value is known.
+        p95 and p99 are None if there are so few members that they are the worst value itself: p99
+        needs 100 members. None is returned in place of all values if none is known.
         """
         values = _known(measure, self.points)
         if not len(values):
@@ -103,18 +108,18 @@ class Members:
 
 
 def _known(measure: Measure, points: Iterable[Row]) -> FloatArray:
-    """Return the values of a measure that are known, ascending, (k,)."""
+    """Return the values of a measure for the runs of which it is known, ascending, (k,)."""
     values = (measure.of(point) for point in points)
     return np.sort(np.array([value for value in values if value is not None], dtype=float))
 
 
 def members_of(points: Iterable[Row], pairs: Iterable[Pair]) -> list[Members]:
-    """Return, for each method, its runs on an ensemble's members that it can simulate.
+    """Return the runs of each method on the members of an ensemble that it can simulate.
 
     Parameters
     ----------
     points : the runs of all methods
-    pairs : the methods
+    pairs : the methods, as pairs of engine and method
     """
     run = [point for point in points if point.simulated]
     return [Members(pair, tuple(point for point in run if point.pair == pair)) for pair in pairs]

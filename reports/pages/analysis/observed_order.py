@@ -4,15 +4,15 @@ import numpy as np
 
 from ....scenarios import FloatArray
 
-#: Larger errors are not in the asymptotic range: errors of directions on the unit sphere saturate.
+#: Larger errors are not in the asymptotic range: those of directions, for example, are bounded.
 ASYMPTOTIC = 0.1
 #: Orders that differ by less than this count as equal.
 ORDER_SLACK = 0.25
-#: An order is fitted to errors at least this many times the reference's uncertainty.
+#: An order is fitted to errors that are larger than this many times the reference's uncertainty.
 ABOVE_UNCERTAINTY = 100.0
-#: Number of rungs of the ladder that an order is fitted to.
+#: Number of rungs of the ladder to which an order is fitted.
 FITTED_RUNGS = 3
-#: Below this order errors count as not shrinking.
+#: If the order is below this, errors count as not shrinking.
 SETTLING_ORDER = 0.5
 
 
@@ -21,16 +21,20 @@ def observed_order(
 ) -> float | None:
     """Return the order with which errors shrink: the slope of log error against log timestep.
 
-    Errors are usable if they are in the asymptotic range and above round-off and the reference's
-    uncertainty. The slope, with its sign, is fitted by least squares to the errors of a window of
-    `FITTED_RUNGS` rungs of the ladder that follow each other among the usable ones; two usable
-    errors alone have their slope. Of the windows whose errors lie on a line to within `ORDER_SLACK`
-    the finest is used, but windows whose errors shrink come before level ones. If no window is that
-    straight, the straightest is used, since rounding bends the finest.
+    Errors are usable if they are in the asymptotic range, and above round-off and the reference's
+    uncertainty. The slope, with its sign, is fitted by least squares to `FITTED_RUNGS` usable
+    errors at successive timesteps. If only two errors are usable, the slope between them is
+    returned.
+
+    There may be several such groups of errors. A group is straight if its two slopes differ by at
+    most `ORDER_SLACK`. The finest straight group whose errors shrink is used; if none shrinks, the
+    finest straight group; if none is straight, the straightest group, since rounding bends the
+    finest ones.
 
     Parameters
     ----------
-    timesteps, errors : coarse to fine, timesteps in s, (n,)
+    timesteps : s, coarse to fine, (n,)
+    errors : the error at each timestep, (n,)
     roundoff_bounds : the largest error by round-off at each timestep, in the unit of the errors,
         (n,)
     uncertainty : uncertainty of the reference, in the unit of the errors

@@ -1,12 +1,12 @@
-"""The results as tables in SQL, which pages and the terminal ask their questions to.
+"""The results as SQL tables, which the report's pages and the terminal query.
 
-``run`` has a line for each run, and ``usual`` a line for each run at the stock timestep that an
-engine's users get by default. ``tried`` has a line for each method on a scene, ``unasked`` a line
-for each effect that acted in a run though the scene does not call for it, and ``altered`` a line
-for each default of an engine that alone alters the equations of motion of a scene.
+``run`` has a line for each run, and ``usual`` a line for each run at the timestep that an engine's
+users get by default. ``tried`` has a line for each method on a scene, ``unasked`` a line for each
+effect that acted in a run though the scene does not call for it, and ``altered`` a line for each
+default of an engine that alone alters the equations of motion of a scene.
 
-The tables are made in memory from a result file. Numbers are in SI units, angles in rad; a missing
-error of a run is infinite, and what is not known is NULL.
+The tables are made in memory from a result file. Numbers are in SI units, angles in rad. The error
+of a run without errors is infinite; what is not known is NULL.
 """
 
 import math
@@ -47,7 +47,7 @@ _FILLED: "WeakKeyDictionary[ReportData, Tables]" = WeakKeyDictionary()
 
 
 def ask(gathered: ReportData, question: str, *values: Any) -> list[Any]:
-    """Return the rows that an SQL query selects from the tables that the module describes.
+    """Return the rows that an SQL query selects from the tables that this module describes.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def ask(gathered: ReportData, question: str, *values: Any) -> list[Any]:
 
 
 def _filled(gathered: ReportData) -> Tables:
-    """Return the tables that the module describes, filled from a report."""
+    """Return the tables that this module describes, filled from a report's data."""
     place = {pair: k for k, pair in enumerate(gathered.pairs)}
     every = [(scene, runs, place[runs.pair]) for scene in gathered.scenes for runs in scene.methods]
     rows = [row for _, runs, _ in every for row in runs.rows]
@@ -74,7 +74,7 @@ def _filled(gathered: ReportData) -> Tables:
 
 
 def _names(key: Key) -> tuple[str, str, str]:
-    """Return scene, engine and method of a key."""
+    """Return the names of scene, engine and method of a key."""
     return key.scenario, key.engine, key.method
 
 
@@ -116,22 +116,22 @@ def _tried(scene: SceneRuns, runs: MethodRuns, place: int) -> tuple[Any, ...]:
 
 def _unasked(row: Row) -> Iterable[str]:
     """Return the names of what acted in a run though the scene does not call for it."""
-    # Only names are counted, because measured sizes differ between scenes.
+    # Names with numbers are left out: they state measured sizes, which differ between scenes.
     names = [name for name in row.unasked if not any(map(str.isdigit, name))]
     return dict.fromkeys([*names, *["a velocity clamp"] * (row.cause == "clamp")])
 
 
 def own_timesteps(gathered: ReportData) -> dict[str, float]:
-    """Return the stock timestep that each engine's users get by default, s; 1 ms if it has none."""
+    """Return each engine's stock timestep, s; 1 ms for an engine that has none."""
     return dict(ask(gathered, "SELECT engine, timestep FROM own"))
 
 
 def verdict_counts(gathered: ReportData, *, as_shipped: bool) -> dict[str, int]:
-    """Return the number of pairs of a scene and a method with each verdict, by the verdict.
+    """Return how often each verdict was given to a method on a scene, by the verdict's word.
 
     Parameters
     ----------
-    as_shipped : whether methods as shipped are counted, or else all others
+    as_shipped : True to count methods as shipped alone, False to count all others
     """
     where = "verdict IS NOT NULL AND judged_as_shipped = ?"
     question = f"SELECT verdict, count(*) FROM tried WHERE {where} GROUP BY verdict"
@@ -139,7 +139,7 @@ def verdict_counts(gathered: ReportData, *, as_shipped: bool) -> dict[str, int]:
 
 
 def as_shipped(gathered: ReportData) -> list[Pair]:
-    """Return the methods that are engines with all their defaults."""
+    """Return the methods as shipped, as pairs of engine and method."""
     return ask(gathered, "SELECT DISTINCT engine, method FROM tried WHERE shipped ORDER BY place")
 
 
@@ -150,14 +150,15 @@ class Usual(OfMethod):
     Attributes
     ----------
     timestep : s
-    shipped : whether it is the engine with all its defaults
-    scenes, unfinished, blew_up, failed : number of scenes, each with one run; of runs without
-        errors; of those that diverged; and of those that failed
-    middle, largest : the median attitude error, degrees, and the largest, where the error of a run
-        that did not end well counts as infinite
-    worst, worst_finished : the scene of the largest error, and that of the largest finite error,
-        which is None if no run ended well
-    largest_finished : the largest finite error, degrees; None if no run ended well
+    shipped : whether the method is as shipped
+    scenes : number of scenes, each with one run
+    unfinished : number of runs without errors
+    blew_up, failed : number of runs that diverged, and that failed
+    middle, largest : the median and the largest attitude error, degrees; a run without errors
+        counts as infinitely wrong
+    worst : the scene of the largest error
+    worst_finished, largest_finished : the scene of the largest finite error, and that error,
+        degrees; None if no run has errors
     turns : the median number of turns until the attitude is off by 1°; infinite if it never is,
         None if not known
     a_turn : the median error that a turn adds to the attitude, degrees; None if not known
@@ -196,15 +197,15 @@ FROM usual AS o GROUP BY engine, method ORDER BY place
 
 
 def at_stock(gathered: ReportData) -> list[Usual]:
-    """Return the errors of each method at its engine's stock timestep, where it was run."""
+    """Return the errors at the engine's stock timestep, for each method that was run at it."""
     return [Usual(*line) for line in ask(gathered, _USUAL)]
 
 
 def leading(gathered: ReportData) -> list[Pair]:
-    """Return the methods to show first: of each engine, one as shipped and one other.
+    """Return the methods to show first: for each engine, one as shipped and one clean method.
 
-    The one as shipped is the first that the adapter lists. The other is, of the methods that can
-    simulate the most scenes, the one with the smallest median error at the stock timestep.
+    The method as shipped is the first that the adapter lists. The clean method is, among those that
+    can simulate the most scenes, the one with the smallest median error at the stock timestep.
     """
     first = {engine: (engine, method) for engine, method in reversed(as_shipped(gathered))}
     others = [one for one in at_stock(gathered) if not one.shipped]

@@ -1,4 +1,4 @@
-"""A result file sorted for the report: by scenes, and in each scene by methods with their runs."""
+"""A result file's contents, sorted for the report by scene, and in each scene by method."""
 
 import math
 from dataclasses import dataclass, replace
@@ -35,12 +35,12 @@ class MethodRuns(OfMethod):
 
     Attributes
     ----------
-    rows : runs in which nothing is varied, coarse to fine
-    verdict : None if the study was stopped before there was one
-    declared : what the adapter declared about the method when it ran; None if not in the file
+    rows : the runs in which nothing is varied, such as the member of an ensemble, coarse to fine
+    verdict : the verdict; None if the study was stopped before there was one
+    declared : what the adapter declared about the method when it ran; None if the file lacks it
     style : how the method's curves are drawn
     evidence : what the verdict rests on; None if there is none
-    single_precision : whether the engine holds its state in floats of 24 bits
+    single_precision : whether the engine holds its state in single precision
     """
 
     engine: str
@@ -53,36 +53,36 @@ class MethodRuns(OfMethod):
     single_precision: bool = False
 
     def setup(self, timestep: float) -> str:
-        """Return what users write to use the method at a timestep, s; empty if not declared."""
+        """Return what users write to use the method at a timestep, s; empty if not known."""
         return self.declared.setup.replace("TIMESTEP", typed(timestep)) if self.declared else ""
 
     @property
     def as_shipped(self) -> bool:
-        """Whether the method is declared to be the engine as shipped."""
+        """Whether the adapter declares the method to be the engine as shipped."""
         return self.declared is not None and self.declared.as_shipped
 
     @property
     def is_recommendable(self) -> bool:
-        """Whether the method may be recommended to users; true if nothing is declared."""
+        """Whether the method may be recommended to users; true if `declared` is None."""
         return self.declared is None or self.declared.is_recommendable
 
     @cached_property
     def sampled(self) -> tuple[Row, ...]:
-        """The runs whose samples are kept, coarse to fine."""
+        """The runs whose samples the result file has, coarse to fine."""
         return tuple(row for row in self.rows if row.motion is not None and len(row.motion.t))
 
     @cached_property
     def finest(self) -> Row | None:
-        """The finest run with the outcome `ok`, of those whose samples are kept.
+        """The finest run with the outcome `ok` and with samples.
 
-        If none of these is `ok`, it is the finest of them; None if no samples are kept.
+        If no run with samples is `ok`, it is the finest run with samples; None if there is none.
         """
         finished = [row for row in self.sampled if row.outcome == "ok"]
         return next(iter([*(finished or self.sampled)][-1:]), None)
 
     @cached_property
     def stock(self) -> tuple[Row, ...]:
-        """The runs at stock timesteps, coarse to fine, with the rows of runs that were not made.
+        """The runs at stock timesteps, coarse to fine, including rows of runs that were not made.
 
         The first is at the engine's own stock timestep, unless that is shorter than 1 ms.
         """
@@ -90,7 +90,7 @@ class MethodRuns(OfMethod):
 
     @property
     def drawn(self) -> tuple[Row, ...]:
-        """The runs whose motions are drawn: those at stock timesteps, or else the finest one."""
+        """The runs whose motions are drawn: those at stock timesteps; without any, `finest`."""
         at_stock = tuple(row for row in self.sampled if row.stock)
         return at_stock or tuple(row for row in [self.finest] if row)
 
@@ -101,8 +101,10 @@ class SceneRuns:
 
     Attributes
     ----------
-    solved : the scene and its exact motion; None if it could not be solved
-    defaults : effects of engines' defaults on the motion, where they were measured
+    solved : the scene and its exact motion; None if the motion could not be solved
+    methods : the runs of each method
+    defaults : for each engine for which it was measured, what each of its defaults does to the
+        motion
     """
 
     name: str
@@ -122,7 +124,7 @@ class SceneRuns:
 
     @cached_property
     def signals(self) -> tuple[Signal, ...]:
-        """The signals in which all errors are known; none if the scene could not be solved."""
+        """The signals in which the errors of all runs are known; none if the scene is unsolved."""
         solution = [self.solved.solution.uncertainty] if self.solved else []
         errors = [row.errors for runs in self.methods for row in runs.rows if row.errors]
         known = [dict(one).keys() for one in (*solution, *errors)]
@@ -141,24 +143,27 @@ class SceneRuns:
 
     @property
     def end(self) -> float:
-        """The end of the exact motion, s."""
+        """The last time of the exact motion, s."""
         return float(self.exact.solution.trajectory.t[-1])
 
     @property
     def turns(self) -> float:
-        """Number of turns until the end, at the fastest rate."""
+        """The number of turns that the body makes up to `end` at the fastest rate."""
         return self.fastest_rate * self.end / (2 * math.pi)
 
     def outline(self, end: float, samples: int) -> Trajectory:
-        """Return the exact motion up to a time, s, at evenly spread times from 0 on.
+        """Return the exact motion at evenly spread times.
 
-        `samples` is the number of these times.
+        Parameters
+        ----------
+        end : the last of these times, s; the first is 0
+        samples : number of times
         """
         return ExactMotion(self.exact.scenario).outline(np.linspace(0.0, end, samples))
 
     @cached_property
     def compared(self) -> tuple["Compared", ...]:
-        """The runs to draw, each with the exact motion at its own sample times.
+        """The runs that are drawn, each with the exact motion at its own sample times.
 
         There are none if the scene could not be solved.
         """
@@ -176,8 +181,8 @@ class SceneRuns:
     def _exact_at(self, motion: Trajectory) -> Trajectory:
         """Return the exact motion at the times of a run's samples.
 
-        If these are the first sample times of the stored exact motion, that is used; otherwise the
-        exact motion is computed.
+        The stored exact motion is used if it begins with these times; otherwise the exact motion is
+        computed.
         """
         stored, n = self.exact.solution.trajectory, len(motion.t)
         if n <= len(stored.t) and np.array_equal(stored.t[:n], motion.t):
@@ -189,11 +194,14 @@ class SceneRuns:
 
     @cached_property
     def _solved_at(self) -> dict[bytes, Trajectory]:
-        """A cache of exact motions that were computed, by the sample times of a run, as bytes."""
+        """A cache of the exact motions that were computed, by their times as bytes."""
         return {}
 
     def uncertainty(self, row: Row) -> Errors:
-        """Return the uncertainty of a run's reference; of ω at least that stored with the run."""
+        """Return the uncertainty of the reference that a run was compared with.
+
+        That of ω is the larger of the one stored with the scene and the one stored with the run.
+        """
         stored = row.reference_uncertainty
         if stored not in self._uncertainties:
             of_reference = self.exact.solution.uncertainty
@@ -209,11 +217,13 @@ class SceneRuns:
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A run with the exact motion and the errors at each of its samples.
+    """A run, with the exact motion and the errors at each of its samples.
 
     Attributes
     ----------
-    motion, exact : the run's motion and the exact one, at the same times
+    runs : all runs of the method
+    row : the run
+    motion, exact : the run's motion and the exact motion, at the same times
     series : the errors at these times
     """
 
@@ -226,9 +236,10 @@ class Compared:
 
     @cached_property
     def defect(self) -> FloatArray:
-        """The largest defect of any signal in the interval that ends at each sample, (n,).
+        """The largest defect in any signal over the interval that ends at each sample, (n,).
 
-        It is NaN at the start, and everywhere if the motion turns too far to be followed.
+        It is NaN at the start. It is NaN everywhere if the exact motion cannot be followed from
+        sample to sample.
         """
         values = np.full(len(self.motion.t), np.nan)
         if found := defects(self.scenario, self.motion, self.exact):
@@ -238,11 +249,13 @@ class Compared:
 
 @dataclass(frozen=True, eq=False)
 class ReportData:
-    """Everything a report shows.
+    """Everything that a report shows.
 
     Attributes
     ----------
+    environment : machine, versions and date of the runs, by the name of the entry
     pairs : the methods, in the order in which they are listed
+    scenes : the scenes, sorted by name
     """
 
     environment: dict[str, str]
@@ -256,7 +269,7 @@ class ReportData:
 
     @cached_property
     def plain(self) -> "ReportData":
-        """The report on the scenes not tagged `hard` alone; on all scenes if all are hard."""
+        """The data of the plain scenes alone; of all scenes if all are hard."""
         plain = tuple(s for s in self.scenes if not (s.solved and s.solved.scenario.hard))
         return replace(self, scenes=plain or self.scenes)
 

@@ -1,4 +1,4 @@
-"""A method's runs at the timesteps that people use, and the largest timestep that it survives.
+"""A method's runs at the timesteps that users have, and the largest timestep that it survives.
 
 A run survives if it reaches its end and is better than no motion (`Row.survived`).
 """
@@ -20,10 +20,10 @@ class Survival:
 
     Attributes
     ----------
-    timestep : the largest timestep at which, and at all shorter ones, the runs survived, s; None if
-        the finest run did not
-    turn : angle turned in a step of that length where the motion is fastest, rad; None if
-        `timestep` is
+    timestep : the largest timestep, s, such that the runs at that and at all shorter timesteps
+        survived; None if the finest run did not survive
+    turn : angle turned in a step of that length at the fastest rate, rad; None if `timestep` is
+        None
     at_least : whether all runs survived, so that the method may survive a larger timestep, too
     """
 
@@ -42,8 +42,8 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
 
     Returns
     -------
-    The timestep as a `Survival`, whose `timestep` is None if the finest run did not survive. None
-    if nothing was run, the method cannot simulate the scene, or the scene could not be solved.
+    The timestep as a `Survival`; None if nothing was run, if the method cannot simulate the scene,
+    or if the scene could not be solved.
     """
     tried = sorted((row for row in rows if row.timestep and row.made), key=lambda row: row.timestep)
     if fastest_rate is None or all(row.outcome == "unsupported" for row in tried):
@@ -56,9 +56,9 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
 
 
 def in_words(survived: Survival | None) -> tuple[str, str]:
-    """Return a survived timestep, s, and its turn, rad a step, as text for two columns.
+    """Return the largest survived timestep, s, and its turn, rad a step, as texts for two columns.
 
-    Both are `NOTHING` for None; a bound from below begins with "≥".
+    Both are `NOTHING` if `survived` is None. They begin with "≥" if all runs survived.
     """
     if survived is None:
         return NOTHING, NOTHING
@@ -68,8 +68,8 @@ def in_words(survived: Survival | None) -> tuple[str, str]:
     return f"{bound}{number(survived.timestep)}", f"{bound}{number(survived.turn)}"
 
 
-#: Names of a method's runs: at the engine's own stock timestep, at the stock timestep that is
-#: common to all engines, and the finest run with the outcome `ok`.
+#: Names of three runs of a method: at the engine's own stock timestep, at the stock timestep that
+#: is common to all engines, and the finest run with the outcome `ok`.
 At = Literal["stock", "common", "finest"]
 AT: tuple[At, ...] = ("stock", "common", "finest")
 

@@ -34,9 +34,9 @@ SYMBOLS = (
 
 @dataclass(frozen=True)
 class TraceStyle:
-    """How the curves of a method are drawn; names of dash and marker are Plotly's.
+    """How the curves of a method are drawn: colour, and Plotly's names of dash and marker.
 
-    The colour is that of the method's name; dash and marker are of engine and method.
+    Methods of the same name share a colour in all engines; dash and marker tell them apart.
     """
 
     colour: str
@@ -45,11 +45,11 @@ class TraceStyle:
 
 
 def trace_styles(pairs: Iterable[tuple[str, str]]) -> dict[tuple[str, str], TraceStyle]:
-    """Return a style for every (engine, method); a method's name has one colour in every engine.
+    """Return a style for each pair of engine and method.
 
-    Engines with all their defaults are methods with nothing in common but the name `default…`, so
-    each has a colour of its own. No two of up to 40 methods have both the same dash and the same
-    marker; further ones repeat them.
+    Methods of the same name have the same colour in every engine. Methods as shipped, whose names
+    begin with "default", have nothing in common but that name; each has a colour of its own. Among
+    the first 40 pairs, no two have both the same dash and the same marker.
     """
     pairs = list(pairs)
     named = {pair: pair if pair[1].startswith("default") else pair[1] for pair in pairs}

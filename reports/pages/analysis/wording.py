@@ -1,4 +1,4 @@
-"""Formats numbers for the report: three significant digits, powers of ten, limited errors."""
+"""Formats numbers for the report: significant digits, powers of ten, errors with their limits."""
 
 import math
 from collections.abc import Sequence
@@ -24,9 +24,13 @@ _MINUS = "−"
 
 
 def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
-    """Return a number with some significant digits: 12.3, 4.56×10⁻⁷, ∞; `NOTHING` for None.
+    """Return a number as text with some significant digits: 12.3, 4.56×10⁻⁷, ∞.
 
-    NaN is "undefined"; `digits` is the number of digits, three by default.
+    None becomes `NOTHING`, and NaN becomes "undefined".
+
+    Parameters
+    ----------
+    digits : number of significant digits
     """
     if value is None:
         return NOTHING
@@ -46,9 +50,9 @@ def number(value: float | None, digits: int = SIGNIFICANT_DIGITS) -> str:
 
 
 def readable(value: float | None) -> str:
-    """Return a number with two significant digits, for sentences: 1.3, 3.1×10⁻⁷.
+    """Return a number as text for sentences, with two significant digits: 1.3, 3.1×10⁻⁷.
 
-    A number from 10 to 1000 is rounded to a whole number; None is `NOTHING`.
+    A number from 10 to 1000 is rounded to a whole number; None becomes `NOTHING`.
     """
     if value is not None and value >= 10 ** (READABLE_DIGITS - 1) and value < 10**PLAIN_POWERS.stop:
         return f"{value:.0f}"
@@ -61,7 +65,7 @@ def power_of_ten(exponent: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a timestep, s, as text: 2 ms, 1/240 s, 65.1 µs, 0.5 s."""
+    """Return a timestep, given in s, as text: 2 ms, 1/240 s, 65.1 µs, 0.5 s."""
     per_second = round(1 / seconds) if seconds else 0
     if per_second in RATES and math.isclose(seconds * per_second, 1.0):
         return f"1/{per_second} s"
@@ -71,25 +75,25 @@ def duration(seconds: float) -> str:
 
 
 def span(timesteps: Sequence[float]) -> str:
-    """Return the shortest and the longest of several timesteps, s, as text: 2 ms to 0.1 s."""
+    """Return the range of several timesteps, given in s, as text: 2 ms to 0.1 s."""
     return " to ".join(dict.fromkeys(map(duration, (min(timesteps), max(timesteps)))))
 
 
 def rounded_down(seconds: float) -> float:
-    """Return a timestep, s, rounded down to two significant digits, as people type it."""
+    """Return a timestep, s, rounded down to two significant digits, as users type it."""
     exact = Decimal(repr(seconds))
     digit = Decimal((0, (1,), exact.adjusted() - TYPED_DIGITS + 1))
     return float(exact.quantize(digit, ROUND_DOWN))
 
 
 def typed(seconds: float) -> str:
-    """Return a timestep, s, as people write it in a program: 0.002, 1/240."""
+    """Return a timestep, given in s, as users write it in a program: 0.002, 1/240."""
     shown = duration(seconds)
     return shown.removesuffix(" s") if shown.startswith("1/") else repr(seconds)
 
 
 def observed(value: float) -> str:
-    """Return a number with five significant digits, to be compared with others."""
+    """Return a number as text with five significant digits, for readers who compare numbers."""
     return number(value, COMPARED_DIGITS)
 
 
@@ -99,9 +103,9 @@ def count(value: int) -> str:
 
 
 def limited(error: float | None, uncertainty: float) -> str:
-    """Return an error as text; an error up to the uncertainty as "≤ uncertainty".
+    """Return an error as text; if it does not exceed the uncertainty, as "≤" and the uncertainty.
 
-    Both numbers are in the unit that is shown; an error of None is `NOTHING`.
+    Both numbers are in the unit that is shown. An error of None becomes `NOTHING`.
     """
     if error is None or not error <= uncertainty:
         return number(error)
@@ -111,7 +115,8 @@ def limited(error: float | None, uncertainty: float) -> str:
 def limited_errors(errors: Errors, uncertainty: Errors, names: Sequence[str]) -> list[str]:
     """Return a run's errors in some signals as text, angles in degrees.
 
-    An error that does not exceed the uncertainty of the reference is shown as "≤ uncertainty".
+    In place of an error that does not exceed the uncertainty of the reference, the text is "≤" and
+    the uncertainty.
 
     Parameters
     ----------
@@ -122,15 +127,15 @@ def limited_errors(errors: Errors, uncertainty: Errors, names: Sequence[str]) ->
 
 
 def ended(row: Row) -> str:
-    """Return how a run ended, and when: `ok`, `diverged at 1.25 s`."""
+    """Return how a run ended, and when if it ended early, as text: `ok`, `diverged at 1.25 s`."""
     return row.outcome + (f" at {number(row.stopped_at)} s" if row.stopped_at is not None else "")
 
 
 def order(value: float | None) -> str:
-    """Return an order of accuracy as text, with two decimals; `NOTHING` for None."""
+    """Return an order of accuracy as text with two decimals; `NOTHING` for None."""
     return NOTHING if value is None else f"{value:.2f}".replace("-", _MINUS)
 
 
 def plural(amount: int, thing: str) -> str:
-    """Return a number with a noun, as in `1 scene`, `2 scenes`."""
+    """Return a number with a noun, such as `1 scene` or `2 scenes`."""
     return f"{amount} {thing}" if amount == 1 else f"{amount} {thing}s"

@@ -1,8 +1,8 @@
-"""Errors against CPU time: each method's runs on a scene, and the best of all methods.
+"""Errors against CPU time: the runs of each method on a scene, and the best runs of all methods.
 
-Engines are compared at equal error, never at equal timestep (work-precision diagrams: Hairer,
+Engines are compared at equal error, never at equal timestep (work–precision diagrams: Hairer,
 Nørsett & Wanner, Solving Ordinary Differential Equations I, §II.10). docs/explanation/cost.md has
-the rules, and which constant sets each.
+the rules and their constants.
 """
 
 import math
@@ -18,24 +18,24 @@ from ...results.verdict_words import VerdictWord
 from .observed_order import observed_order
 from .report_data import MethodRuns, SceneRuns
 
-#: Factor by which errors must grow at shorter timesteps to count as rounding: rounding grows by two
-#: or more, or by the root of two, when a timestep is halved.
+#: Factor by which errors must grow at shorter timesteps to be put down to rounding. When a timestep
+#: is halved, errors by random rounding grow by √2, errors by biased rounding by 2 or more.
 GROWN = 2**0.5
-#: Relative difference below which two doubles are not known to differ.
+#: Machine epsilon of double precision: relative errors are not taken to be smaller.
 EPS = float(np.finfo(float).eps)
-#: The same for floats of 24 bits.
+#: Machine epsilon of single precision.
 SINGLE = float(np.finfo(np.float32).eps)
 
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """One finished run.
+    """One run that ended `ok`, as a point of a curve.
 
     Attributes
     ----------
     timestep : s
     cost : CPU seconds for a simulated second; None if not timed
-    error : the run's error in one signal, but at least the reference's uncertainty
+    error : the run's error in one signal, raised to the reference's uncertainty if below that
     """
 
     timestep: float
@@ -49,16 +49,19 @@ class Curve(OfMethod):
 
     Attributes
     ----------
-    points : every run that ended ok, coarse to fine
-    stable : the runs of the ladder that ended ok and whose finer runs all ended ok, coarse to fine
-    seconds_per_step : CPU time of a step, s, None where it was not timed
+    signal : name of the signal
+    points : every run that ended `ok`, coarse to fine
+    stable : the runs of the ladder that ended `ok` and for which all finer runs did, too, coarse to
+        fine
+    seconds_per_step : CPU time of a step, s; None if it was not timed
     uncertainty : uncertainty of the reference in this signal
-    rounding : error that one ulp in the start may cause, in the engine's precision
+    rounding : error that a change of the start by one ulp of the engine's precision may cause
     duration : simulated time, s
-    single_precision : whether the engine's ulp is that of floats of 24 bits
+    single_precision : whether the engine computes in single precision
     declared : the order of accuracy of ω that the adapter declares; None if not known
-    verdict, reason, order : the verdict on the method and scene, its reason, and the order at which
-        gains vanish; verdict and order are None if there is none
+    verdict : the verdict on the method and scene; None if there is none
+    reason : the verdict's reason, or why there is no verdict
+    order : the order at which gains vanish, from the verdict; None if not known
     """
 
     engine: str
@@ -79,9 +82,9 @@ class Curve(OfMethod):
     def floor(self, timestep: float) -> float:
         """Return the error that rounding may cause in a run, plus the reference's uncertainty.
 
-        Each step may cause the error `rounding`. In double precision the errors of all steps are
-        added, which is a bound: all may round the same way. In single precision that bound is above
-        most errors, and `rounding` times √steps is returned, the sum of rounding at random.
+        Each step may cause the error `rounding`. In double precision these errors are added up,
+        which is a bound, as all steps may round the same way. In single precision that bound would
+        exceed most errors, so `rounding` times √steps is used, the sum of random rounding.
 
         Parameters
         ----------
@@ -93,11 +96,11 @@ class Curve(OfMethod):
 
     @cached_property
     def observed_order(self) -> float | None:
-        """The least-squares slope of log error against log timestep over the finest usable runs.
+        """The slope of log error against log timestep, fitted to the finest usable runs.
 
         A run is usable if its error is in the asymptotic range, and above round-off and the
-        reference's uncertainty. If there are too few such runs, the order of the verdict is
-        returned, the order at which gains vanish, which may be None.
+        reference's uncertainty. If there are too few such runs, the order is that of the verdict,
+        `order`, which may be None.
         """
         timesteps = np.array([point.timestep for point in self.stable])
         errors = np.array([point.error for point in self.stable])
@@ -107,11 +110,12 @@ class Curve(OfMethod):
 
     @cached_property
     def least(self) -> CurvePoint | None:
-        """The run with the least error, if errors at shorter timesteps are larger, as by rounding.
+        """The stable run with the least error, if errors at shorter timesteps grow, else None.
 
-        It is None otherwise. A single larger error may be chance: at least two runs with shorter
-        timesteps, stock ones included, must have errors that grow from each to the next, or are all
-        larger by the factor `GROWN` and do not fall again.
+        As a single larger error may be chance, there must be at least two runs at shorter
+        timesteps, stock ones included, and the finest must have an error larger by the factor
+        `GROWN`. In addition, their errors must either grow from each run to the next, or all be
+        larger by that factor without falling again at the end.
         """
         if not self.stable:
             return None
@@ -126,12 +130,12 @@ class Curve(OfMethod):
 
     @property
     def finest_useful(self) -> float | None:
-        """The timestep of the run with the least error, s; None if shorter ones are not worse."""
+        """The timestep, s, below which errors grow; None if no run shows that they do."""
         return self.least.timestep if self.least else None
 
 
 def curves(scene: SceneRuns, signal: str) -> list[Curve]:
-    """Return every method's errors in a signal on a scene, against timestep and cost.
+    """Return the curve of each method on a scene: its errors in a signal, by timestep and cost.
 
     There are none if the scene could not be solved.
     """
@@ -139,7 +143,7 @@ def curves(scene: SceneRuns, signal: str) -> list[Curve]:
 
 
 def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
-    """Return one method's errors in a signal on a scene that was solved."""
+    """Return the curve of one method, its errors in a signal, on a scene that was solved."""
     solution = scene.exact.solution
     finished = [row for row in runs.rows if row.errors]
     unfinished = [row.timestep for row in runs.rows if row.made and row.outcome != "ok"]
@@ -153,7 +157,7 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
         stable=tuple(
             point
             for point, row in zip(points, finished, strict=True)
-            # A stock timestep may be close to one of the ladder: from such a pair no slope follows.
+            # A stock timestep may be so close to one of the ladder that the two give no slope.
             if point.timestep < min(unfinished, default=math.inf) and not row.stock
         ),
         seconds_per_step=finished[-1].seconds_per_step if finished else None,
@@ -176,14 +180,14 @@ def cost(row: Row) -> float | None:
 
 
 def slope(coarse: CurvePoint, fine: CurvePoint) -> float:
-    """Return the order between two runs: log of their errors' ratio over log of the timesteps'."""
+    """Return the slope of log error against log timestep between two runs."""
     return math.log(coarse.error / fine.error) / math.log(coarse.timestep / fine.timestep)
 
 
 def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:
-    """Return the Pareto front of curves: the timed runs more accurate than all cheaper ones.
+    """Return the Pareto front of several curves, the cheapest run first.
 
-    The cheapest is first.
+    These are the timed runs that are more accurate than all cheaper ones, each with its curve.
     """
     timed = [
         (point.cost, point.error, curve, point)
@@ -199,7 +203,7 @@ def front(drawn: Iterable[Curve]) -> list[tuple[Curve, CurvePoint]]:
 
 
 def _point(scene: SceneRuns, row: Row, signal: str) -> CurvePoint:
-    """Return a run with errors as a point of a curve in a signal."""
+    """Return a run, which must have errors, as a point of the curve of a signal."""
     least = max(scene.uncertainty(row)[signal], EPS)
     assert row.errors is not None, "only a run with errors is a point"
     return CurvePoint(row.timestep, cost(row), max(row.errors[signal], least))

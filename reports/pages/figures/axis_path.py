@@ -1,4 +1,4 @@
-"""Paths in space: of a top's axis on the unit sphere, of the tip of ω by Poinsot's construction."""
+"""Figures of paths in space: of a top's axis on the unit sphere, and of the tip of ω (Poinsot)."""
 
 from typing import Any
 
@@ -23,12 +23,12 @@ from .plot import (
     start_dot,
 )
 
-#: Numbers of circles of latitude and of half circles of longitude that show a surface, and number
+#: Number of circles of latitude and number of half circles of longitude that show a surface; number
 #: of points on each.
 LATITUDES, LONGITUDES, POINTS = 5, 8, 25
 #: Length of the drawn axes, in semi-axes of the surface.
 STICK_OUT = 1.18
-#: Half side of the 3-D plot, with the names of the axes, in semi-axes of the surface.
+#: Half side of the 3-D plot, in which the names of the axes have room, in semi-axes of the surface.
 EDGE = 1.3
 #: Distance of the eye from the middle of the plot, in the unit of Plotly's camera.
 EYE_DISTANCE = 1.25
@@ -41,7 +41,7 @@ def _surface(semi_axes: FloatArray, names: tuple[str, str, str]) -> list[Trace]:
 
     Parameters
     ----------
-    semi_axes : along x, y and z, (3,)
+    semi_axes : semi-axes of the ellipsoid along x, y and z, (3,)
     names : names of the axes
     """
     wires = [*_latitudes(), *_longitudes()]
@@ -79,16 +79,16 @@ def _on_surface(
 ) -> Figure:
     """Return a figure of an ellipsoid and its axes, with the first point of a curve on it.
 
-    The page's script draws the curve itself. Here `points` give its start, and the side from which
-    the ellipsoid is seen.
+    The page's script draws the curve itself. Here its points only determine where it starts, and
+    from which side the ellipsoid is seen.
 
     Parameters
     ----------
-    semi_axes : of the ellipsoid, along x, y and z, in the unit of `points`, (3,)
+    semi_axes : semi-axes of the ellipsoid along x, y and z, in the unit of `points`, (3,)
     names : names of the three axes, written at their ends
     points : points of the curve, (n, 3)
     height : height of the figure, pixels
-    overlay : which curve the script draws, as `_overlay` returns it
+    overlay : which curve the script draws, from `_overlay`
     """
     start = _trace(points[:1], mode="markers", marker={"color": INK, "size": 5})
     shown = {"height": height, "scene": _view(semi_axes, points.mean(axis=0))}
@@ -102,22 +102,23 @@ def _overlay(kind: str, matrix: FloatArray, **panel: int) -> dict[str, Any]:
     Parameters
     ----------
     kind : which curve the script draws, such as "axis"
-    matrix : takes components of vectors along body or world axes, which depends on the kind, to
-        those along the axes of the plot, (2, 3) or (3, 3)
-    panel : `panel=k` for the k-th panel, counted from 1; nothing for a figure without panels
+    matrix : matrix from components along body or world axes, depending on the kind, to components
+        along the axes of the plot, (2, 3) or (3, 3)
+    panel : `panel=k` for the k-th panel, counted from 1; left out for a figure without panels
     """
     return {"kind": kind, "exact": "beginning"} | panel | {"matrix": matrix.tolist()}
 
 
 def _view(semi_axes: FloatArray, towards: FloatArray) -> dict[str, Any]:
-    """Return the settings of a 3-D plot in Plotly: ranges, proportions and eye, without a box.
+    """Return the settings of a 3-D plot in Plotly: its ranges, proportions and camera.
 
     Parameters
     ----------
-    towards : direction of the middle of the curve, on whose side the eye is, (3,)
+    semi_axes : semi-axes of the ellipsoid that is shown, (3,)
+    towards : direction of the middle of the curve, (3,); the camera is on that side
     """
     direction = _unit(towards, np.ones(3))
-    # At an angle, so that no axis points straight at the eye.
+    # The direction is tilted, so that no axis points straight at the camera.
     direction = direction + np.array([0.35, 0.5, 0.0])
     direction[2] = max(direction[2], LEAST_HEIGHT)
     eye = EYE_DISTANCE * direction / np.linalg.norm(direction)
@@ -135,7 +136,12 @@ def _view(semi_axes: FloatArray, towards: FloatArray) -> dict[str, Any]:
 
 
 def _trace(points: FloatArray, **properties: Any) -> Trace:
-    """Return a curve in space through points, (n, 3), with further properties of Plotly's trace."""
+    """Return Plotly's trace of a curve in space through points, (n, 3).
+
+    Parameters
+    ----------
+    properties : further properties of the trace
+    """
     return {
         "type": "scatter3d",
         "x": packed(points[:, 0]),
@@ -173,24 +179,24 @@ HEIGHT = 400
 ONE_TURN = 360.0
 #: Factor of room around the path as seen from above.
 MARGIN = 1.1
-#: Least half width of what a panel shows, before its margin: of the unit sphere, or relative to the
-#: largest ω. A smaller path looks like a point.
+#: Least half width of what a panel shows, without its margin: on the unit sphere, or relative to
+#: the largest ω. A smaller path looks like a point.
 NARROWEST = 1e-6
-#: Range of tilt, degrees, below which the tilt counts as steady; the margin on both sides is as
-#: large.
+#: Range of tilt below which the tilt counts as steady, degrees; and the margin that is then shown
+#: on both sides of it, degrees.
 STEADY, STEADY_ROOM = 1e-6, 0.5
 
 
 def axis_path(scene: SceneRuns) -> list[Figure]:
-    """Return figures of the path of the body's axis.
+    """Return three figures of the path of the body's axis.
 
-    They show the path on the sphere, from above, and unrolled into azimuth and tilt.
+    They show the path on the unit sphere, seen from above, and unrolled into azimuth and tilt.
     """
     scenario, motion = scene.exact.scenario, dense_motion(scene)
-    # The matrix from world components to two level components and up, (3, 3); up is −g, or z
-    # without gravity.
+    # The matrix from world components to two horizontal components and the upward one, (3, 3). Up
+    # is −g, or z without gravity.
     R_upright_world = _frame_about(_unit(-scenario.gravity_world, UP))
-    # The direction of the axis, (n, 3): two level components and up.
+    # The direction of the axis, (n, 3), in these components.
     exact = np.asarray(motion.to_world(axis_body(scenario)) @ R_upright_world.T)
     overlay = _overlay("axis", R_upright_world)
     return [
@@ -205,8 +211,8 @@ def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 
     Parameters
     ----------
-    exact : directions of the axis: two level components and up, (n, 3)
-    R_upright_world : the matrix from world components to these, (3, 3)
+    exact : directions of the axis, (n, 3): two horizontal components and the upward one
+    R_upright_world : matrix from world components to these, (3, 3)
     """
     widest = MARGIN * max(float(np.abs(exact[:, :2]).max()), NARROWEST)
     panel = square(("level component, x", "level component, y", "From above"), widest)
@@ -217,14 +223,17 @@ def _from_above(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
     """Return a figure of the axis's path as tilt against azimuth, degrees.
 
-    Parameters are those of `_from_above`.
+    Parameters
+    ----------
+    exact : directions of the axis, (n, 3): two horizontal components and the upward one
+    R_upright_world : matrix from world components to these, (3, 3)
     """
     azimuth, tilt = _unrolled(exact)
     framed = tilt
     if np.ptp(tilt) < STEADY:
         framed = tilt[:1] + np.array([-1.0, 1.0]) * STEADY_ROOM
     low, high = padded(framed)
-    # The axis of tilt is upside down: where the body's axis is higher, its tilt is smaller.
+    # The axis of tilt points down, so that the curve is higher where the body's axis is higher.
     panel = Panel(
         x_title="azimuth α, °",
         y_title="tilt β from the upward vertical, °",
@@ -237,7 +246,7 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 
 
 def _first_turn(azimuth: FloatArray) -> Range:
-    """Return the range of azimuths to show, degrees: all, but at most a turn from the start on."""
+    """Return the range of azimuths to show, degrees: at most one turn from the start on."""
     if np.ptp(azimuth) <= ONE_TURN:
         return padded(azimuth)
     onwards = np.sign(azimuth[-1] - azimuth[0]) or 1.0
@@ -251,7 +260,12 @@ def _unit(vector: FloatArray, otherwise: FloatArray) -> FloatArray:
 
 
 def _unrolled(tips: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return azimuth and tilt, degrees, of directions, (n, 3): two level components and up."""
+    """Return azimuth and tilt of directions, degrees, (n,) each.
+
+    Parameters
+    ----------
+    tips : unit vectors, (n, 3): two horizontal components and the upward one
+    """
     azimuth = np.unwrap(np.arctan2(tips[:, 1], tips[:, 0]))
     tilt = np.arctan2(np.hypot(tips[:, 0], tips[:, 1]), tips[:, 2])
     return np.degrees(azimuth), np.degrees(tilt)
@@ -260,15 +274,15 @@ def _unrolled(tips: FloatArray) -> tuple[FloatArray, FloatArray]:
 POLHODE_HEIGHT = 460
 #: Factor of room around the herpolhode.
 HERPOLHODE_MARGIN = 1.15
-#: Largest distance from the ellipsoid's centre up to which a run is drawn, in longest semi-axes.
+#: Distance from the ellipsoid's centre up to which a run is drawn, in longest semi-axes.
 OFF_THE_ELLIPSOID = 1.5
 
 
 def polhode(scene: SceneRuns) -> list[Figure]:
     """Return figures of the polhode and of the herpolhode; none for a body that never turns.
 
-    The polhode is on the ellipsoid Σ Iₖ ωₖ² = 2T in principal axes, T the largest rotational energy
-    of the exact motion. It is drawn for ω/√2T, so that the semi-axes are 1/√Iₖ. The
+    The polhode lies on the ellipsoid Σ Iₖ ωₖ² = 2T in principal axes, where T is the largest
+    rotational energy of the exact motion. ω/√2T is drawn, so that the semi-axes are 1/√Iₖ. The
     herpolhode is seen along the exact L at the start (Landau & Lifshitz, Mechanics, §37; Goldstein
     §5.6).
     """
@@ -298,8 +312,8 @@ def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
     Parameters
     ----------
     exact : the exact motion
-    R_level_world : matrix from world components to those along two axes normal to L, and along L,
-        (3, 3)
+    R_level_world : matrix, (3, 3), from world components to those along two axes normal to the
+        initial L, and along L
     """
     flat = (exact.to_world(exact.omega_body) @ R_level_world.T)[:, :2]
     fastest = float(np.linalg.norm(exact.omega_body, axis=1).max())
@@ -311,11 +325,11 @@ def _herpolhode(exact: Trajectory, R_level_world: FloatArray) -> Figure:
 
 
 def _frame_about(third: FloatArray) -> FloatArray:
-    """Return a right-handed frame, (3, 3), with its axes as rows, of which the third is given.
+    """Return the axes of a right-handed frame as rows of a matrix, (3, 3).
 
     Parameters
     ----------
-    third : unit vector, (3,)
+    third : the third axis, a unit vector, (3,)
     """
     first = np.eye(3)[np.argmin(np.abs(third))]
     first = first - (first @ third) * third

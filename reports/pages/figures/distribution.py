@@ -1,4 +1,4 @@
-"""The errors of an ensemble as step curves, one for each method."""
+"""A figure of how the errors of an ensemble are distributed, with a curve for each method."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -12,10 +12,11 @@ from ..analysis.trace_style import TraceStyle
 from .plot import Figure, Panel, Trace, drawing, line, method_style
 
 HEIGHT = 250
-#: Margins of the axes: a factor beside the outermost errors, and percent below 0 and above 100.
+#: Margins of the axes: a factor below the least and above the largest error; and percent below 0
+#: and above 100.
 BESIDE_ERRORS, PERCENT_MARGIN = 2.0, 3.0
-#: Largest error drawn, relative or in degrees: that of a run that blew up but finished would
-#: compress the axis.
+#: Largest error on the axis, relative or in degrees. Much larger ones, of runs that blew up but
+#: finished, would compress the curves.
 LARGEST = 180.0
 
 
@@ -24,10 +25,16 @@ def distribution(
     trace_styles: Mapping[Pair, TraceStyle],
     measure: Measure,
 ) -> Figure:
-    """Return a figure with the percentage of an ensemble's members whose error is at most a value.
+    """Return a figure of the percentage of an ensemble's members whose error is at most a value.
 
-    Each method has a curve, which ends at the percentage of its members that finished. At least one
-    error of one method must be above 0.
+    Each method has a curve over that value, which ends at the percentage of its members that
+    finished. At least one error must be above 0.
+
+    Parameters
+    ----------
+    members : the runs of each method
+    trace_styles : how the curve of each method is drawn
+    measure : the error, such as the attitude error in degrees
     """
     traces = []
     outermost = []
@@ -55,12 +62,12 @@ def distribution(
 
 
 def _steps(x: FloatArray, y: FloatArray, label: str, style: TraceStyle, said: str) -> Trace:
-    """Return a curve that rises by a step at each member.
+    """Return a curve that rises by a step at the error of each member.
 
     Parameters
     ----------
-    x, y : where it rises, and the heights that it rises to, (n,) each
-    said : text that the page shows where the curve is pointed at
+    x, y : abscissas at which the curve rises, and the heights that it rises to, (n,) each
+    said : text that the page shows where a reader points at the curve
     """
     drawn = method_style(label, style)
     drawn["line"] = drawn["line"] | {"shape": "hv"}

@@ -13,7 +13,7 @@ from ....scenarios.principal import principal_axes
 from ...results.results import SceneResult
 from ..analysis.report_data import SceneRuns
 
-#: Largest number of samples of a path; number of samples for each turn at the fastest rate.
+#: Number of samples of a path; least number of samples for each turn at the fastest rate.
 MOST, A_TURN = 500, 24
 
 
@@ -21,14 +21,13 @@ MOST, A_TURN = 500, 24
 def dense_motion(scene: SceneRuns) -> Trajectory:
     """Return the exact motion at `MOST` evenly spread times.
 
-    They cover the window, or its first `MOST / A_TURN` turns if the window has more.
+    The times cover the window, or its first `MOST / A_TURN` turns if there are more.
     """
     shown = min(1.0, MOST / A_TURN / scene.turns) if scene.turns else 1.0
     return scene.outline(shown * scene.end, MOST)
 
 
-#: Denominators for a box of half sides h, I₁ = m (h₂² + h₃²)/3, and an ellipsoid, I₁ = m (h₂² +
-#: h₃²)/5.
+#: The c in I₁ = m (h₂² + h₃²)/c, for a box of half sides h, and for an ellipsoid of semi-axes h.
 BOX, ELLIPSOID = 3.0, 5.0
 #: Least thickness of a flat body in pictures, as a fraction of its largest half side.
 LEAST_THICKNESS = 0.03
@@ -36,12 +35,13 @@ LEAST_THICKNESS = 0.03
 
 @dataclass(frozen=True, eq=False)
 class DrawnBody:
-    """The body in a picture.
+    """The solid that stands for a body in pictures, and the directions that are drawn with it.
 
     Attributes
     ----------
-    shape : an ellipsoid if the body has an axis of symmetry, else a box
-    half_sides : half sides of a solid with the body's mass and moments, principal axes, m, (3,)
+    shape : an ellipsoid if two of the body's principal moments are equal, else a box
+    half_sides : half sides, or semi-axes, of a solid with the body's mass and moments, along the
+        principal axes, m, (3,)
     R_body_axes : matrix from components along the principal axes about the com to those along the
         body's axes, (3, 3)
     axis_body : unit vector of the axis whose path is drawn, body axes, (3,)
@@ -58,7 +58,7 @@ class DrawnBody:
 
 
 def drawn_body(solved: SceneResult) -> DrawnBody:
-    """Return the solid, the axis and the upward direction that a scene's body is drawn with."""
+    """Return how a scene's body is drawn: its solid, its axis and the upward direction."""
     scenario = solved.scenario
     exact_moments, exact_axes = principal_axes(scenario.body.inertia_com_exact)
     moments = np.array(exact_moments, dtype=float)
@@ -79,9 +79,9 @@ def drawn_body(solved: SceneResult) -> DrawnBody:
 def axis_body(scenario: Scenario) -> FloatArray:
     """Return the unit vector, body axes, of the axis whose path is drawn, (3,).
 
-    It points from the pivot, or from the tip on a table, to the com. For a free body, or one whose
-    com is the pivot, it is the symmetry axis, or else the principal axis with the largest component
-    of L.
+    It points from the pivot, or from the tip on a table, to the com. For a free body, or if the com
+    is the pivot, it is the symmetry axis; without one, the principal axis along which the component
+    of the initial L is largest.
     """
     lever = scenario.constraint.lever
     length = float(np.linalg.norm(lever))
@@ -98,10 +98,10 @@ def axis_body(scenario: Scenario) -> FloatArray:
 
 
 def _up(solved: SceneResult) -> tuple[FloatArray, str]:
-    """Return the upward direction in the world, (3,), and its meaning in words.
+    """Return the upward direction, a unit vector in world axes, (3,), and its meaning in words.
 
-    It is opposite to gravity if there is gravity and the body is on a pivot or a table, else along
-    the initial L; it is the z axis if L is zero.
+    The direction is opposite to gravity if there is gravity and the body is on a pivot or a table.
+    Otherwise it is that of the initial L, or the z axis if L is zero.
     """
     scenario = solved.scenario
     gravity = float(np.linalg.norm(scenario.gravity_world))
@@ -115,11 +115,14 @@ def _up(solved: SceneResult) -> tuple[FloatArray, str]:
 
 
 def _half_sides(mass: float, moments: FloatArray, shape: float) -> FloatArray:
-    """Return the half sides of the solid: h₁² = (shape / 2 m) (I₂ + I₃ − I₁), m, (3,).
+    """Return the half sides of the solid, m, (3,): h₁² = (shape / 2 m) (I₂ + I₃ − I₁).
+
+    A smaller half side is raised to `LEAST_THICKNESS` times the largest.
 
     Parameters
     ----------
-    moments : principal moments, kg m², (3,)
+    mass : m, kg
+    moments : principal moments I, kg m², (3,)
     shape : `BOX` or `ELLIPSOID`
     """
     squares = shape / (2 * mass) * (moments.sum() - 2 * moments)

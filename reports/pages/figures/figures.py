@@ -1,4 +1,4 @@
-"""The figures of a scene in reading order, and a heavy top's potential as a well."""
+"""All figures of a scene, in reading order, and the figure of a heavy top's effective potential."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -24,15 +24,15 @@ from .ladder_figures import convergence, work_precision
 from .plot import INK, REFERENCE_WIDTH, Figure, Panel, Range, drawing, line
 from .signal_figures import defect_figure, omega_figures, tilt_figure
 
-#: How far beyond the turning points V_eff is drawn, as a multiple of the distance between these;
-#: and the least such extension, rad.
+#: How far beyond the turning points V_eff is drawn, as a multiple of the distance between them; and
+#: the least such extension, rad.
 BEYOND, NARROWEST = 0.6, math.radians(1.0)
 #: Number of points of the curve of V_eff.
 POINTS = 160
-#: Height above E′ up to which V_eff is drawn, in depths of the well. A well that is shallower than
-#: the second number times the range of V_eff, as in steady precession, is drawn whole.
+#: Height above E′ up to which V_eff is drawn, in depths of the well; and the depth, as a fraction
+#: of the range of V_eff, below which all of V_eff is drawn, as for steady precession.
 ABOVE, SHALLOW = 1.2, 0.05
-#: Margin below the bottom, as a fraction of the height.
+#: Margin below the bottom of V_eff, as a fraction of the height that is drawn.
 BELOW = 0.12
 _ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 
@@ -40,8 +40,8 @@ _ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 def potential(scenario: Scenario) -> Figure | None:
     """Return a figure of the effective potential V_eff over the tilt, with E′ and turning points.
 
-    E′ is the energy without that of the spin about the symmetry axis, E − p_γ²/2 I₃. None is
-    returned for motions other than the nutation of a heavy symmetric top.
+    E′ = E − p_γ²/2 I₃ is the energy without that of the spin about the symmetry axis. None is
+    returned unless the motion is the nutation of a heavy symmetric top.
     """
     problem = rotational_problem(scenario)
     top = heavy_symmetric_top(problem)
@@ -61,7 +61,7 @@ def _well(
 
     Parameters
     ----------
-    tilts, heights : tilts, degrees, and V_eff there, J, (n,) each
+    tilts, heights : tilts, degrees, and V_eff at these tilts, J, (n,) each
     ends : tilts of the turning points, degrees, (2,)
     """
     energy, lowest = float(top.E_prime), int(np.argmin(heights))
@@ -93,7 +93,7 @@ def _heights(heights: FloatArray, energy: float) -> Range:
 
     Parameters
     ----------
-    heights : V_eff, J, which may be infinite
+    heights : V_eff, J, (n,); some values may be infinite
     energy : E′, J
     """
     bottom, highest = float(heights.min()), float(heights[np.isfinite(heights)].max())
@@ -105,7 +105,7 @@ def _heights(heights: FloatArray, energy: float) -> Range:
 
 @dataclass(frozen=True, eq=False)
 class Titled:
-    """Figures that are placed side by side if there is room, with their title and caption.
+    """Figures that a page places side by side if there is room, with their title and caption.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ Section = Literal["signals", "steps", "ladder", "geometry"]
 
 
 def figures(scene: SceneRuns) -> dict[Section, list[Titled]]:
-    """Return every figure that the scene has data for, by the section of the page."""
+    """Return all figures for which a scene has data, by the section of the page that shows them."""
     if scene.solved is None:
         return {"signals": [], "steps": [], "ladder": [], "geometry": []}
     return {
@@ -164,7 +164,7 @@ def _signals(scene: SceneRuns) -> Iterator[Titled]:
 
 
 def _steps(scene: SceneRuns) -> Iterator[Titled]:
-    """Yield the figures of what single steps gain, if there is evidence of steps."""
+    """Yield the figures of the gains of single steps, if any are to be drawn."""
     if parts := gain_figures(scene):
         yield Titled(
             "gains",
@@ -203,7 +203,7 @@ def _ladder(scene: SceneRuns) -> Iterator[Titled]:
 
 
 def _geometry(scene: SceneRuns) -> Iterator[Titled]:
-    """Yield the figures of the axis's path, of ω's path and of V_eff."""
+    """Yield the figures of the paths of the axis and of ω, and of V_eff, where they apply."""
     if not scene.exact.scenario.constraint.is_free:
         yield Titled(
             "axis",

@@ -1,4 +1,4 @@
-"""Figures of what single steps gain against the timestep, with predictions by the verdict model."""
+"""Figures of the gains of single steps against the timestep, with the predictions of verdicts."""
 
 from collections.abc import Iterator
 from html import escape
@@ -11,24 +11,27 @@ from ...results.evidence import LEVEL, QUANTITIES, GainCurve, Quantity
 from ..analysis.report_data import MethodRuns, SceneRuns
 from .plot import OFF_THE_CHART, Figure, Panel, Trace, drawing, line, method_style
 
-#: Half width of the band, in standard deviations of the prediction; and the band's opacity, as two
-#: hexadecimal digits after a colour.
+#: Half width of the band of predicted gains, in standard deviations; and the band's opacity, as two
+#: hexadecimal digits behind a colour.
 BAND, OPACITY = 2.0, "30"
-#: Distance between a gain, a vector of three components, and its prediction, in standard deviations
-#: of a component, that chance exceeds with the probability `LEVEL`.
+#: Distance of a gain from its prediction that chance exceeds with the probability `LEVEL`, in
+#: standard deviations of one of the three components of a gain.
 OFF = float(np.sqrt(chdtri(3, LEVEL)))
-#: Number of gains, at the longest timesteps, for which no prediction is made.
+#: Number of gains, those at the longest timesteps, for which there is no prediction.
 NOT_PREDICTED = 2
-#: Factors of room beside the outermost timesteps and above the largest gain; and the lowest gain
-#: drawn, as a fraction of the noise.
+#: Factors of room beside the outermost timesteps and above the largest gain; and the least gain
+#: that is drawn, as a fraction of the noise.
 BESIDE, ABOVE, BELOW = 1.3, 3.0, 0.1
 HEIGHT, MARKER, RING = 360, 6, 15
-#: If fewer methods than this have more than noise in a panel, its heading names them.
+#: If fewer methods than this gain more than noise, the panel's heading names them.
 FEW = 3
 
 
 def gain_figures(scene: SceneRuns) -> list[Figure]:
-    """Return a figure for each quantity in which the steps of any method gain more than noise."""
+    """Return a figure for each quantity in which steps of at least one method gain more than noise.
+
+    The quantities are attitude, I ω, velocity and place.
+    """
     return [
         _figure(scene, quantity)
         for quantity in QUANTITIES
@@ -37,7 +40,7 @@ def gain_figures(scene: SceneRuns) -> list[Figure]:
 
 
 def _curves(scene: SceneRuns, quantity: Quantity) -> Iterator[tuple[MethodRuns, GainCurve]]:
-    """Yield each method with its gains of a quantity, if these include predicted ones."""
+    """Yield each method with its gains of a quantity, if any of them is predicted."""
     for runs in scene.methods:
         steps = runs.evidence.steps if runs.evidence else None
         for curve in steps.curves if steps else ():
@@ -46,12 +49,12 @@ def _curves(scene: SceneRuns, quantity: Quantity) -> Iterator[tuple[MethodRuns, 
 
 
 def _is_shown(curve: GainCurve) -> bool:
-    """Whether a gain of any state exceeds the noise of the predictions."""
+    """Whether a gain from any state exceeds noise, the least standard deviation of a prediction."""
     return max(curve.largest) > min(curve.predicted_to[NOT_PREDICTED:])
 
 
 def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
-    """Return the figure of the gains of a quantity by all methods."""
+    """Return the figure of a quantity, with the gains of the methods that gain more than noise."""
     shown = [(runs, curve) for runs, curve in _curves(scene, quantity) if _is_shown(curve)]
     examined = sum(bool(runs.evidence and runs.evidence.steps) for runs in scene.methods)
     is_few = len(shown) < min(FEW, examined)
@@ -75,11 +78,11 @@ def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
 
 
 def _band(runs: MethodRuns, curve: GainCurve, low: float) -> Trace:
-    """Return, as a filled area, the band in which gains are predicted from longer timesteps.
+    """Return the band in which gains are predicted to be, as a filled area.
 
     Parameters
     ----------
-    low : the lowest gain drawn
+    low : the least gain that is drawn
     """
     timesteps, predicted, known_to = (
         np.array(column[NOT_PREDICTED:])
@@ -106,7 +109,7 @@ def _gains(runs: MethodRuns, curve: GainCurve, low: float) -> Iterator[Trace]:
 
     Parameters
     ----------
-    low : the lowest gain drawn
+    low : the least gain that is drawn
     """
     timesteps, gains = np.array(curve.timesteps), np.array(curve.gains)
     drawn = np.where(gains > low, gains, np.nan)
@@ -123,7 +126,7 @@ def _gains(runs: MethodRuns, curve: GainCurve, low: float) -> Iterator[Trace]:
 
 
 def is_off(curve: GainCurve) -> NDArray[np.bool_]:
-    """Return whether each of J gains misses its prediction by more than chance explains, (J,)."""
+    """Return which of the J gains of a curve are too far from their prediction for chance, (J,)."""
     columns = (curve.gains, curve.predicted, curve.predicted_to)
     gains, predicted, known_to = map(np.array, columns)
     off = np.abs(gains - predicted) > OFF * known_to

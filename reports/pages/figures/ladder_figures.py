@@ -1,4 +1,4 @@
-"""Figures of error against timestep and against cost: every run of every method on one scene."""
+"""Figures of error against timestep and against cost, with every run on one scene."""
 
 from collections.abc import Callable, Iterator, Sequence
 from html import escape
@@ -25,31 +25,32 @@ from .plot import (
     method_style,
 )
 
-#: Factor by which a guide line is drawn below its curve; and the factor by which the line extends
-#: to longer and to shorter timesteps.
+#: A guide line is a dotted line with the slope of an order. These are the factor by which it is
+#: drawn below its curve, and the factor by which it extends to longer and to shorter timesteps.
 GUIDE_BELOW, GUIDE_SPAN = 4.0, 8.0
 #: Number of points of a guide line.
 GUIDE_POINTS = 25
 #: Factor of room beside the outermost points of a log axis.
 BESIDE = 1.5
 
-#: Line width of the Pareto front, so that it is visible behind the curves that touch it.
+#: Line width of the Pareto front: so wide that it is visible behind the curves that touch it.
 FRONT_WIDTH = 7.0
 
-#: Domains of the panel of errors, and of the strip of runs without errors below it, as in `Panel`.
+#: Domains (`Panel.domain`) of the panel of errors, and of the strip below it, which has the runs
+#: without errors.
 ERRORS, STRIP = ((0.0, 1.0), (0.26, 1.0)), ((0.0, 1.0), (0.0, 0.12))
 HEIGHT = 520
 #: Plotly's markers of runs without errors, by outcome.
 ENDED = {"diverged": "x-thin-open", "failed": "triangle-down-open"}
-#: Sizes of the rings around runs at stock timesteps, and of these markers, pixels.
+#: Size of the rings around runs at stock timesteps, and size of the markers above, pixels.
 RING_SIZE, MARK_SIZE = 14, 9
 
-#: A function that returns the abscissa of a run in a figure; None if the run has none.
+#: A function that returns the abscissa of a run, its timestep or its cost; None if it has none.
 Abscissa = Callable[[Row], float | None]
 
 
 def convergence(scene: SceneRuns) -> list[Figure]:
-    """Return a figure of errors against the timestep for each signal.
+    """Return, for each signal, a figure of errors against the timestep.
 
     Guide lines show the slopes of the declared orders of accuracy.
     """
@@ -60,9 +61,9 @@ def convergence(scene: SceneRuns) -> list[Figure]:
 
 
 def work_precision(scene: SceneRuns) -> list[Figure]:
-    """Return a figure of errors against CPU seconds a simulated second for each signal.
+    """Return, for each signal, a figure of errors against CPU seconds a simulated second.
 
-    Each shows the Pareto front.
+    Each figure also shows the Pareto front.
     """
     return [
         _with(figure, [_front(scene, signal)], [])
@@ -71,16 +72,17 @@ def work_precision(scene: SceneRuns) -> list[Figure]:
 
 
 def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
-    """Return a figure with further curves, drawn below and above its own."""
+    """Return a figure with further curves, some drawn behind its own curves and some over them."""
     return figure | {"data": [*below, *figure["data"], *above]}
 
 
 def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tuple[Signal, Figure]]:
-    """Yield each signal with its figure of errors against a number of the runs.
+    """Yield each signal, with a figure of the errors in it.
 
     Parameters
     ----------
-    abscissa : returns that number of a run, such as its timestep; None if the run has none
+    abscissa : returns what a run's error is drawn against, such as its timestep; None if the run
+        has no such number
     x_title : name of that number, with its unit
     """
     x_range = _x_range(scene, abscissa)
@@ -115,7 +117,7 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tup
 
 
 def _strip(x_title: str, x_range: Range) -> Panel:
-    """Return the panel for runs without errors, below that of the errors."""
+    """Return the panel for runs without errors, which is below the panel of errors."""
     heading = "Ended without an error to compare"
     return Panel(x_title, "", heading, True, (0.0, 1.0), x_range, domain=STRIP)
 
@@ -126,7 +128,7 @@ def _finished(runs: MethodRuns) -> list[Row]:
 
 
 def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
-    """Yield markers of the runs that diverged or failed, one line of the strip for each method."""
+    """Yield markers for the runs that diverged or failed; each method has its own height."""
     for k, runs in enumerate(scene.methods):
         height = 1 - (k + 0.5) / len(scene.methods)
         for outcome, symbol in ENDED.items():
@@ -155,7 +157,7 @@ def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
 
 
 def _front(scene: SceneRuns, signal: Signal) -> Trace:
-    """Return the Pareto front as steps: the runs more accurate than all cheaper ones."""
+    """Return the Pareto front of all methods on a scene, drawn as steps."""
     best = [point for _, point in front(curves(scene, signal.name))]
     return line(
         np.array([point.cost for point in best], dtype=float),
@@ -170,7 +172,10 @@ def _front(scene: SceneRuns, signal: Signal) -> Trace:
 def _curves(
     runs: MethodRuns, scene: SceneRuns, signal: Signal, abscissa: Abscissa
 ) -> Iterator[Trace]:
-    """Yield a method's runs that ended well, joined by a line, and rings at stock timesteps."""
+    """Yield a line through a method's runs with errors, and rings around those at stock timesteps.
+
+    Runs without an abscissa are left out.
+    """
     rows = [row for row in _finished(runs) if abscissa(row) is not None]
     stock = [row for row in rows if row.stock]
     line_style = method_style(runs.label, runs.style)
@@ -189,14 +194,15 @@ def _curves(
 
 
 def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
-    """Return the abscissas of runs, (n,); every run must have one."""
+    """Return the abscissas of n runs, each of which must have one, (n,)."""
     return np.array([abscissa(row) for row in rows], dtype=float)
 
 
 def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArray:
-    """Return the errors of runs as drawn, in the figure's unit, (n,); infinite ones are NaN.
+    """Return the errors of runs as they are drawn, in the figure's unit, (n,).
 
-    They are at least the reference's uncertainty; runs without errors are left out.
+    Errors below the reference's uncertainty are raised to it, and infinite ones are NaN. Runs
+    without errors are left out.
     """
     errors = [
         max(row.errors[signal.name], scene.uncertainty(row)[signal.name])
@@ -207,7 +213,7 @@ def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArra
 
 
 def _hover(runs: MethodRuns, row: Row) -> str:
-    """Return the text that the page shows where a run is pointed at."""
+    """Return the text that the page shows where a reader points at a run."""
     took = cost(row)
     parts = [
         f"{escape(runs.label, quote=False)}, timestep {number(row.timestep)} s",
@@ -232,7 +238,7 @@ def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
 
 
 def _guides(scene: SceneRuns, signal: Signal) -> Iterator[Trace]:
-    """Yield a dotted line with the slope of each declared order, below the curves of that order."""
+    """Yield a guide line for each declared order, below the curves of the methods of that order."""
     orders = {
         runs.label: signal.declared_order(runs.declared.order, runs.declared.attitude_order)
         for runs in scene.methods
@@ -253,18 +259,18 @@ def _guides(scene: SceneRuns, signal: Signal) -> Iterator[Trace]:
 
 
 def _readable(scene: SceneRuns, row: Row, signal: Signal) -> bool:
-    """Whether a run's error is in the asymptotic range and well above uncertainty."""
+    """Whether a run's error is in the asymptotic range and well above the uncertainty."""
     assert row.errors is not None, "only a run with errors is drawn"
     uncertainty = scene.uncertainty(row)[signal.name]
     return ABOVE_UNCERTAINTY * uncertainty < row.errors[signal.name] < ASYMPTOTIC
 
 
 def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: Signal) -> Trace:
-    """Return a dotted line with the slope of an order, below a point of a curve.
+    """Return a guide line for an order, drawn below a point of a curve.
 
     Parameters
     ----------
-    anchor : timestep of the point, s, and its error, before it is converted to the unit shown
+    anchor : timestep of the point, s, and its error, relative, or in rad for the attitude
     """
     floor = scene.exact.solution.uncertainty[signal.name]
     taken = [row.timestep for runs in scene.methods for row in runs.rows if row.errors]

@@ -1,7 +1,7 @@
-"""Figures as Plotly's own JSON: panels, lines and floors, thinned to what a page can carry.
+"""Figures as dictionaries in Plotly's JSON format: panels, lines and shading.
 
-Figures are plain dictionaries, so that a page is made in milliseconds. The page's script replaces
-INK and similar names by colours for a light or a dark page.
+Plain dictionaries, unlike Plotly's objects, are made in milliseconds. The page's script replaces
+`INK`, `WIRE` and `GROUND` by colours for a light or a dark page.
 """
 
 import base64
@@ -19,16 +19,16 @@ from ..analysis.trace_style import TraceStyle
 
 Trace = dict[str, Any]
 Figure = dict[str, Any]
-#: Values at the lower and at the upper end of an axis, or at its left and right end.
+#: Values at the two ends of an axis: lower and upper, or left and right.
 Range = tuple[float, float]
 
-#: Largest number of samples of a line; more would not be visible.
+#: Largest number of samples of a line: more would not be visible.
 MOST_SAMPLES = 400
 #: Placeholders for the colours of text, of wire frames and of the page.
 INK, WIRE, GROUND = "ink", "wire", "ground"
-#: Largest upper end of axes of errors, up to a factor of 2; larger errors are blow-ups.
+#: Largest error for which an axis of errors has room: larger ones are blow-ups.
 OFF_THE_CHART = 1e2
-#: Values of this size and above are not drawn: browsers fail to draw them.
+#: Values of this size and above are left out, as browsers fail to draw them.
 BEYOND_DRAWING = 1e30
 #: Largest number of labels on a log axis.
 LOG_LABELS = 8
@@ -36,19 +36,21 @@ REFERENCE_WIDTH, METHOD_WIDTH = 5.0, 1.6
 EPS = float(np.finfo(float).eps)
 #: Margin around values, as a fraction of their range.
 PADDING = 0.08
-#: Left and right, bottom and top of a panel that is the only one of its figure.
+#: The domain of a panel that is the only one of its figure: left and right, bottom and top.
 WHOLE = ((0.0, 1.0), (0.0, 1.0))
 FLOOR_COLOUR = "rgba(128,128,128,0.22)"
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One pair of axes.
+    """One pair of axes of a figure.
 
     Attributes
     ----------
-    y_range, x_range : lowest and highest value shown; all values if None
-    floor : the reference's uncertainty: the panel is shaded below it; None for no shading
+    x_title, y_title, heading : titles of the axes, and text above the panel
+    log_x, log_y : whether an axis is logarithmic
+    y_range, x_range : values at the two ends of an axis; None to show all values
+    floor : the reference's uncertainty, below which the panel is shaded; None for no shading
     equal_scales : whether both axes have the same scale
     domain : left and right, and bottom and top, as fractions of the figure
     """
@@ -68,13 +70,14 @@ class Panel:
 def drawing(
     traces: Sequence[Trace], panels: Sequence[Panel], height: int, *overlays: dict[str, Any]
 ) -> Figure:
-    """Return a figure of panels.
+    """Return a figure that consists of panels.
 
     Parameters
     ----------
-    traces : Plotly's curves and points
-    height : pixels
-    overlays : what the page's script draws in addition, from the motions that the page carries
+    traces : curves and points, in Plotly's format
+    height : height of the figure, pixels
+    overlays : descriptions of curves that the page's script adds, from the motions that the page
+        carries
     """
     figure: Figure = {"data": traces, "layout": layout(panels, height)}
     return figure | {"overlays": list(overlays)} if overlays else figure
@@ -93,7 +96,7 @@ def square(titles: tuple[str, str, str], widest: float) -> Panel:
 
 
 def layout(panels: Sequence[Panel], height: int) -> dict[str, Any]:
-    """Return the layout of panels; the k-th has axes x{k} and y{k}."""
+    """Return Plotly's layout of a figure of panels, whose height is in pixels."""
     made: dict[str, Any] = {"height": height, "shapes": [], "annotations": []}
     for k, panel in enumerate(panels, start=1):
         suffix, (across, down) = axis_suffix(k), panel.domain
@@ -118,16 +121,17 @@ def layout(panels: Sequence[Panel], height: int) -> dict[str, Any]:
 
 
 def axis_suffix(k: int) -> str:
-    """Return the number of an axis as Plotly writes it behind x or y: none for the first."""
+    """Return the number that Plotly writes behind x or y for an axis; empty for the first."""
     return "" if k == 1 else str(k)
 
 
 def line(x: FloatArray, y: FloatArray, k: int, **properties: Any) -> Trace:
-    """Return a line in the k-th panel, counted from 1.
+    """Return Plotly's trace of a line in the k-th panel, counted from 1.
 
     Parameters
     ----------
-    properties : further properties of Plotly's trace
+    x, y : abscissas and ordinates of its points, (n,) each
+    properties : further properties of the trace
     """
     suffix = axis_suffix(k)
     return {
@@ -143,7 +147,10 @@ def line(x: FloatArray, y: FloatArray, k: int, **properties: Any) -> Trace:
 
 
 def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
-    """Return the style of a method's line, which the page shows or hides by `legendgroup`."""
+    """Return the style of a method's line, as properties of Plotly's trace.
+
+    The page shows and hides all lines of a method by their `legendgroup`.
+    """
     return {
         "mode": "lines",
         "line": {"color": style.colour, "width": METHOD_WIDTH, "dash": style.dash},
@@ -155,13 +162,13 @@ def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
 
 
 def start_dot(x: float, y: float, k: int) -> Trace:
-    """Return a dot in the k-th panel, counted from 1, where the motion starts."""
+    """Return a dot that marks the start of a motion, in the k-th panel, counted from 1."""
     marker = {"color": INK, "size": 8}
     return line(np.array([x]), np.array([y]), k, mode="markers", marker=marker, hoverinfo="skip")
 
 
 def heading(text: str, x: float, y: float) -> dict[str, Any]:
-    """Return words above a panel; x and y are fractions of the figure."""
+    """Return Plotly's annotation for a panel's heading; x and y are fractions of the figure."""
     return {
         "text": f"<b>{text}</b>",
         "x": x,
@@ -176,9 +183,9 @@ def heading(text: str, x: float, y: float) -> dict[str, Any]:
 
 
 def packed(values: FloatArray) -> dict[str, str]:
-    """Return an array in base64 for Plotly, in single precision.
+    """Return an array, (n,), in the form in which Plotly reads it: base64, in single precision.
 
-    Values from `BEYOND_DRAWING` on become NaN, which Plotly draws as gaps.
+    Values of the size `BEYOND_DRAWING` and above become NaN, which Plotly draws as gaps.
     """
     drawable = np.where(np.abs(values) < BEYOND_DRAWING, values, np.nan)
     single = np.ascontiguousarray(drawable, dtype="<f4")
@@ -191,9 +198,9 @@ def thinned(n: int, most: int = MOST_SAMPLES) -> NDArray[np.intp]:
 
 
 def claimed(errors: FloatArray, floor: float) -> FloatArray:
-    """Return errors as drawn: at least the reference's uncertainty; infinite ones are NaN.
+    """Return errors, (n,), as they are drawn: raised to the reference's uncertainty if below it.
 
-    Plotly draws a gap for NaN.
+    Infinite errors become NaN, for which Plotly draws a gap.
 
     Parameters
     ----------
@@ -206,15 +213,13 @@ def claimed(errors: FloatArray, floor: float) -> FloatArray:
 def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
     """Return the range of an axis of errors: from half the uncertainty to above the largest error.
 
+    The upper end is at most twice `OFF_THE_CHART`. If the uncertainty is zero or not finite, the
+    range is from `EPS` to 1.
+
     Parameters
     ----------
-    curves : errors, which may be NaN or infinite
+    curves : the errors of each curve, some of which may be NaN or infinite
     floor : uncertainty of the reference, in the unit of the errors
-
-    Returns
-    -------
-    The range. It is at most up to twice `OFF_THE_CHART`, and from `EPS` to 1 if the uncertainty is
-    zero or not finite.
     """
     if not 0 < floor < math.inf:
         # A signal whose exact value is zero, such as L of a body at rest, has no relative error.
@@ -225,18 +230,18 @@ def error_range(curves: Sequence[FloatArray], floor: float) -> Range:
 
 
 def padded(values: FloatArray) -> Range:
-    """Return the range of values with a margin on both sides; it never has a width of zero."""
+    """Return the range of values, (n,), with a margin on both sides, so that it is never empty."""
     low, high = float(values.min()), float(values.max())
     margin = (high - low or abs(high) or 1.0) * PADDING
     return low - margin, high + margin
 
 
 def _axis(title: str, logarithmic: bool, limits: Range | None) -> dict[str, Any]:
-    """Return the settings of an axis in Plotly.
+    """Return Plotly's settings of an axis.
 
     Parameters
     ----------
-    limits : values at the two ends of the axis; None for all values
+    limits : values at the two ends of the axis; None to show all values
     """
     axis: dict[str, Any] = {
         "title": {"text": title},
@@ -260,8 +265,8 @@ def _floor_shading(suffix: str, bottom: float, floor: float) -> dict[str, Any]:
 
     Parameters
     ----------
-    suffix : number of the panel's axes as `axis_suffix` returns it
-    bottom, floor : lower and upper end of the band, in the unit of the axis y
+    suffix : number of the panel's axes, from `axis_suffix`
+    bottom, floor : lower and upper end of the band, in the unit of the y axis
     """
     return {
         "type": "rect",

@@ -1,7 +1,7 @@
-"""Tilt and angular velocity over time, and how far runs are from the exact ones.
+"""Figures of tilt and angular velocity over time, and of the errors of runs.
 
-The page's script draws the lines from the motions that the page carries: a figure only has axes,
-and says which line belongs in which panel (`overlays`).
+The page's script draws the lines, from the motions that the page carries. A figure made here only
+has axes, and states which line belongs in which panel (`overlays`).
 """
 
 import math
@@ -22,7 +22,7 @@ from .plot import (
     error_range,
 )
 
-#: Domains of the panel of tilt and of the panel of attitude errors below it, as in `Panel`.
+#: Domains (`Panel.domain`) of the panel of tilt, and of the panel of attitude errors below it.
 TILT, DIFFERENCE = ((0.0, 1.0), (0.52, 1.0)), ((0.0, 1.0), (0.0, 0.42))
 #: Least margin below and above the tilt in its panel, degrees.
 STEADY = 0.5
@@ -32,7 +32,7 @@ AXES = ("₁", "₂", "₃")
 
 
 def tilt_figure(scene: SceneRuns) -> Figure:
-    """Return a figure of β(t), and below it the angle of each run's attitude from the exact one."""
+    """Return a figure of the tilt β(t) in one panel, and of attitude errors in a panel below it."""
     exact, body = scene.exact.solution.trajectory, drawn_body(scene.exact)
     cosine = np.clip(exact.to_world(body.axis_body) @ body.up_world, -1.0, 1.0)
     tilt = np.degrees(np.arccos(cosine))
@@ -62,7 +62,7 @@ def tilt_figure(scene: SceneRuns) -> Figure:
 
 
 def omega_figures(scene: SceneRuns) -> list[Figure]:
-    """Return figures of the three components of ω in body axes, and of the error of ω."""
+    """Return a figure of each component of ω, body axes, and one of the error of ω."""
     solved, runs = scene.exact, scene.compared
     figures = [_component(solved, k) for k in range(3)]
     curves = [run.series["omega"] for run in runs]
@@ -72,7 +72,7 @@ def omega_figures(scene: SceneRuns) -> list[Figure]:
 
 
 def defect_figure(scene: SceneRuns) -> Figure:
-    """Return a figure of each interval's largest defect in any signal."""
+    """Return a figure of the largest defect in any signal over each interval between samples."""
     curves = [run.defect for run in scene.compared]
     return _over_time(scene.exact, "defect", ("relative, or rad", ""), curves, LEAST_ROUNDING)
 
@@ -114,10 +114,16 @@ def _component(solved: SceneResult, k: int) -> Figure:
 
 
 def _window(solved: SceneResult) -> Range:
-    """Return the range of times of the exact motion, s."""
+    """Return the range of the time axis, s: from 0 to the last time of the exact motion."""
     return 0.0, float(solved.solution.trajectory.t[-1])
 
 
 def _errors(curves: list[FloatArray], floor: float) -> Range:
-    """Return the range of an axis for curves of errors; see `error_range`."""
+    """Return the range of an axis of errors, from half of `floor` to above the largest error.
+
+    Parameters
+    ----------
+    curves : the errors of each run at its samples
+    floor : the least error that is drawn
+    """
     return error_range([claimed(curve, floor) for curve in curves], floor)

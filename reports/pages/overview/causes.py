@@ -1,7 +1,7 @@
-"""Why defaults are wrong: the timestep, settings that alter the motion, or a term left out.
+"""Why engines' defaults are wrong: the timestep, settings that alter the motion, a missing term.
 
-Without ω × I ω the angular velocity of a free body keeps its direction in space, however the body
-tumbles. Damping shortens ω but does not turn it either.
+If an engine leaves out the term ω × I ω, the angular velocity of a free body keeps its direction in
+space. Damping makes ω smaller, but does not turn it either.
 """
 
 from collections.abc import Collection
@@ -15,22 +15,23 @@ from ..analysis.questions import Usual, ask
 from ..analysis.report_data import ReportData
 from ..analysis.wording import plural
 
-#: Angle in space, rad, by which the exact ω must turn for a scene to be used.
+#: Least angle by which the exact ω turns in space on a scene that is used, rad.
 TELLING = 0.2
-#: Fraction of that angle: a run whose ω turns by less lacks the gyroscopic torque.
+#: A run whose ω turns in space by less than this fraction of the exact angle lacks the gyroscopic
+#: torque.
 STEADY = 0.02
 
 
 def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str, float]], int]:
     """Return the engines as shipped that lack the gyroscopic torque, and how many were examined.
 
-    Such an engine's ω keeps its direction in space on every scene on which the exact ω turns. The
-    scenes are those of free bodies on which no effect but gravity acts.
+    An engine lacks it if ω keeps its direction in space on every scene on which the exact ω turns.
+    Only scenes without effects, or with gravity alone, are used.
 
     Returns
     -------
-    By engine and scene, the largest relative error of ω of the engines that lack the torque; and
-    the number of engines examined.
+    For each engine that lacks the torque, the largest relative error of ω, by scene; and the number
+    of engines that were examined.
     """
     lacking: dict[Pair, dict[str, float]] = {}
     has_it: set[Pair] = set()
@@ -50,7 +51,7 @@ def without_gyroscopic_torque(gathered: ReportData) -> tuple[dict[str, dict[str,
 
 
 def turned_in_space(motion: Trajectory) -> float:
-    """Return the largest angle, rad, between ω and ω at the start, world axes.
+    """Return the largest angle, rad, between the directions in space of ω and of ω at the start.
 
     It is 0 for a body that is at rest at the start.
     """
@@ -60,23 +61,23 @@ def turned_in_space(motion: Trajectory) -> float:
     return float(np.arctan2(across, omega_world @ start).max())
 
 
-#: A cause is given for a default if it holds on at least this fraction of the scenes with large
-#: errors.
+#: A cause is named if it acted on more than this fraction of the scenes on which the engine
+#: disagrees.
 COMMON = 0.1
 
 
 def why(gathered: ReportData, one: Usual, harmless: Collection[str]) -> str:
-    """Return, in words, on how many scenes an engine as shipped converges or not, and why if known.
+    """Return, in words, on how many scenes an engine as shipped converges, and why not on others.
 
     If the engine disagrees with the equations of motion on any scene, the text says what it alters
-    or adds by default on these, if that is known. Scenes on which it blows up are only counted, as
-    the integrator alone may be the reason. If it disagrees on none, the text says that its errors
-    are its integrator's. The text is empty if there is no verdict but "unsupported".
+    or adds by default on those scenes, if that is known. Scenes on which it diverges are only
+    counted, as its integrator alone may be the reason. If it disagrees on none, the text says that
+    its errors are those of its integrator. The text is empty if all verdicts are "unsupported".
 
     Parameters
     ----------
     one : the runs of the engine as shipped at its stock timestep
-    harmless : names of what changes no motion, which are not named as reasons
+    harmless : names of what engines do by default that changes no motion; they are no reasons
     """
     counts = dict(ask(gathered, f"SELECT verdict, count(*) {_OF_METHOD} GROUP BY 1", *one.pair))
     tried = sum(counts[kind.word] for kind in VERDICTS if kind.word in counts and _counts(kind))
@@ -105,14 +106,15 @@ _OF_METHOD = "FROM tried WHERE engine = ? AND method = ? AND verdict IS NOT NULL
 
 
 def _counts(kind: VerdictKind) -> bool:
-    """Whether verdicts of a kind are counted among those tried."""
+    """Whether a scene with a verdict of this kind counts as tried: all but "unsupported"."""
     return kind.needs_reason or kind.word == "converges"
 
 
 def _by_each_default(gathered: ReportData, one: Usual) -> str:
-    """Return, in words, which defaults alone alter the motion, and on how many scenes each.
+    """Return, in words, which defaults alter the motion by themselves, and on how many scenes.
 
-    The text is empty if that was not measured.
+    Only scenes on which the method disagrees are counted. The text is empty if no default does, or
+    if that was not measured.
     """
     counted = ask(
         gathered,
@@ -126,9 +128,10 @@ def _by_each_default(gathered: ReportData, one: Usual) -> str:
 
 
 def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[str]) -> str:
-    """Return, in words, what acted on scenes that do not call for it, and on how many.
+    """Return, in words, what acted though scenes do not call for it, and on how many scenes.
 
-    Names are those by which the engine reports what acts.
+    Only scenes on which the method disagrees are counted. What acted on no more than the fraction
+    `COMMON` of them is left out. Names are those by which the engine reports what acts.
 
     Parameters
     ----------
@@ -151,7 +154,10 @@ def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[s
 
 
 def no_gyroscopic_torque(gathered: ReportData) -> list[str]:
-    """Return a sentence on the engines that leave out the gyroscopic torque; none if none does."""
+    """Return a list with a sentence on the engines as shipped that lack the gyroscopic torque.
+
+    The list is empty if no engine lacks it.
+    """
     lacking, tried = without_gyroscopic_torque(gathered)
     if not lacking:
         return []

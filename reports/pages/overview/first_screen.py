@@ -1,4 +1,4 @@
-"""The report's answer: how wrong the defaults are, what to use instead, what it costs, and why."""
+"""The report's first screen: how wrong defaults are, what to use instead, its cost, and why."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -14,16 +14,16 @@ from ..analysis.wording import NOTHING, duration, plural, readable
 from ..tables import Cell, figure, table
 from .causes import no_gyroscopic_torque, why
 
-#: Least number of scenes that a method must be able to simulate to be recommended instead of a
-#: default, as a fraction of the largest such number of the engine's methods not as shipped.
+#: A method is recommended instead of a default only if it can simulate at least this fraction of
+#: the scenes that the most capable clean method of the same engine can simulate.
 COVERING = 0.9
-#: Factor by which the median error of a recommended method must be smaller.
+#: Factor by which the median error of a recommended method must be smaller than the default's.
 MUCH_SMALLER = 2.0
-#: Number of engines whose defaults are described one by one, smallest errors first.
+#: Number of engines whose defaults are described one by one, those with the smallest errors.
 LISTED = 2
-#: The line of the timestep below which rounding makes errors grow.
+#: Heading of the row for the timestep below which rounding makes errors grow.
 FINEST = "finer than this makes it worse"
-#: The lines of the table.
+#: Headings of the rows of the table.
 MEASURES = (
     "timestep",
     "1° off after",
@@ -34,9 +34,9 @@ MEASURES = (
     "CPU time of a step",
     "pruned",
 )
-#: Text for a default's own CPU time: all CPU times are relative to it.
+#: Text for a default's own CPU time, relative to which all CPU times are given.
 OWN_RATIO = "1"
-#: Sentence about CPU times, if there are any.
+#: Sentence on what the CPU times in the table are.
 COST = (
     " CPU time: of a step, as a multiple of the default's, with quartiles if they differ; pruned: "
     "with everything switched off that the scenes do not call for."
@@ -44,19 +44,20 @@ COST = (
 
 
 def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[str, Any] | None:
-    """Return the answer, from the plain scenes alone; None if no engine as shipped was run.
+    """Return the contents of the first screen, made from the plain scenes alone, as a dictionary.
 
-    Its entry `lead` says how large the errors of defaults are, and those of the methods recommended
-    instead; `table` has a column for each of these methods, `about` says what the table's numbers
-    are, and `why` has the reasons for the errors.
+    `lead` says how large the errors of defaults are, and the errors of the methods that are
+    recommended instead. `table` has a column for each of these methods. `about` says what the
+    numbers in the table are. `why` has the reasons for the errors. None is returned if no engine as
+    shipped was run.
 
     Parameters
     ----------
-    left_out : the cost of what engines leave out because it changes no motion
+    left_out : costs of steps of engines from which nothing is left out
     """
     plain = gathered.plain
     tried = at_stock(plain)
-    # Only the first of each engine: further methods as shipped lack some of the defaults.
+    # Only the first method as shipped of each engine: the others lack some of the defaults.
     first = {one.engine: one for one in reversed(tried) if one.shipped}
     shipped = sorted(first.values(), key=_size)
     if not shipped:
@@ -76,7 +77,7 @@ def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[
         for used in filter(None, (one, instead.get(one.pair))):
             headings.append(f"{'' if used is one else 'use '}{used.label}")
             columns.append(_column(plain, used, one, left_out, finest.get(used.pair)))
-    # Without times, a line has only the default's own ratio.
+    # A row without timings has only the default's own ratio, and is left out.
     lines = [
         line
         for line in zip(*columns, strict=True)
@@ -105,11 +106,12 @@ def _size(one: Usual) -> tuple[float, float]:
 
 
 def _lead(shipped: Sequence[Usual], instead: Sequence[Usual]) -> str:
-    """Return, in two sentences, the median errors of defaults and of recommended methods.
+    """Return sentences with the median errors of defaults, and of methods recommended instead.
 
     Parameters
     ----------
-    shipped, instead : the runs of both at stock timesteps
+    shipped : the runs of engines as shipped at stock timesteps
+    instead : the runs of the methods that are recommended; no sentence is about them if empty
     """
 
     def sizes(these: Sequence[Usual]) -> str:
@@ -122,7 +124,10 @@ def _lead(shipped: Sequence[Usual], instead: Sequence[Usual]) -> str:
 
 
 def _median(one: Usual) -> str:
-    """Return a method's median attitude error in words."""
+    """Return a method's median attitude error in words.
+
+    If it is infinite, the words say on how many scenes the method's run has no errors.
+    """
     if one.middle < math.inf:
         return _degrees(one.middle)
     return f"lost on {one.unfinished} of {plural(one.scenes, 'scene')}"
@@ -135,16 +140,16 @@ def _column(
     left_out: Collection[MethodCost],
     finest: Finest | None,
 ) -> list[Cell]:
-    """Return the column of a method: its errors, and its steps' CPU time relative to the default's.
+    """Return a method's column in the table: its errors, and the CPU time of its steps.
 
-    The time is given twice: with all that the engine does by default, as most readers run it, and
-    without what scenes do not need.
+    The time is relative to that of the engine as shipped, and is given twice: with all that the
+    engine does by default, as most users run it; and without what the scenes do not call for.
 
     Parameters
     ----------
     one, default : the runs of the method, and of the engine as shipped, at stock timesteps
-    left_out : the cost of what engines leave out
-    finest : what rounding does to the method; None if nothing
+    left_out : costs of steps of engines from which nothing is left out
+    finest : what rounding does to the method; None if it does nothing
     """
     of_steps = "SELECT scene, seconds FROM usual WHERE engine = ? AND method = ?"
     base, pruned = (dict(ask(gathered, of_steps, *used.pair)) for used in (default, one))
@@ -171,9 +176,9 @@ def _column(
 
 
 def _worse_below(finest: Finest | None) -> tuple[str, str, str]:
-    """Return text, kind and detail of the cell for the timestep below which errors grow.
+    """Return text, kind and detail of the cell that has the timestep below which errors grow.
 
-    The detail is the bias of rounding in words; text and detail are empty if errors do not grow.
+    The detail is the bias of rounding in words. Text and detail are empty if errors do not grow.
     """
     if finest is None or not finest.timesteps:
         return "", "number", ""
@@ -183,7 +188,8 @@ def _worse_below(finest: Finest | None) -> tuple[str, str, str]:
 def _others(shipped: Sequence[Usual]) -> list[str]:
     """Return sentences on the engines as shipped that have no column in the table.
 
-    They state the range of their errors, and which engines blow up or fail on most scenes.
+    The sentences state the range of the engines' median errors, and which of the engines blow up or
+    fail on most scenes.
 
     Parameters
     ----------
@@ -203,16 +209,15 @@ def _others(shipped: Sequence[Usual]) -> list[str]:
 
 
 def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
-    """Return the engine's most accurate method not as shipped; None unless it is much better.
+    """Return an engine's most accurate clean method; None if it is not much better than defaults.
 
-    A method is much better if its median attitude error is smaller by the factor `MUCH_SMALLER`.
-    Methods are left out if they can simulate fewer scenes than `COVERING` times the largest number
-    that any method of the engine not as shipped can.
+    It is much better if its median attitude error is smaller by the factor `MUCH_SMALLER`. Methods
+    that can simulate too few scenes (`COVERING`) are left out.
 
     Parameters
     ----------
     shipped : the runs of the engine as shipped
-    clean : the runs of all methods not as shipped, of all engines
+    clean : the runs of the clean methods of all engines
     """
     own = [one for one in clean if one.engine == shipped.engine]
     most = max((one.scenes for one in own), default=0)
@@ -224,14 +229,14 @@ def _instead(shipped: Usual, clean: Sequence[Usual]) -> Usual | None:
 
 
 def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]) -> str:
-    """Return, as text, the median over scenes of the ratio of two times of a step.
+    """Return, as text, the median over scenes of the ratio of two times.
 
-    The quartiles follow in brackets, unless they are the same text. The text is empty if no scene
+    The quartiles follow in brackets, unless both are the same text. The text is empty if no scene
     has both times.
 
     Parameters
     ----------
-    seconds, base : time of a step on each scene, s, and the time that it is divided by
+    seconds, base : CPU time of a step on each scene, s; and the time by which it is divided
     """
     ratios = [dear / cheap for name, dear in seconds.items() if dear and (cheap := base.get(name))]
     if not ratios:

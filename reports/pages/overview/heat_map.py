@@ -1,4 +1,4 @@
-"""The first screen's table: errors of methods on scenes, for its script and as Markdown."""
+"""The first page's table of errors of methods on scenes, as data for its script and as a table."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ from .overview import GROUPS, group_of
 def stock_table(gathered: ReportData) -> Table:
     """Return a table of attitude errors at stock timesteps, degrees, with a row for each scene.
 
-    Each method has a column; those as shipped come first.
+    Each method has a column, those as shipped first. A last column has the best choice.
     """
     steps, shipped = own_timesteps(gathered), as_shipped(gathered)
     pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]
@@ -40,7 +40,13 @@ def stock_table(gathered: ReportData) -> Table:
 
 
 def _stock_cell(scene: SceneRuns, pair: tuple[str, str], stock: float) -> Cell:
-    """Return a cell with a method's attitude error at its stock timestep, `stock`, s."""
+    """Return a cell with a method's attitude error at its engine's stock timestep.
+
+    Parameters
+    ----------
+    pair : engine and method
+    stock : the stock timestep, s
+    """
     runs = scene.by_pair.get(pair)
     if runs is None:
         return figure(NOTHING)
@@ -62,13 +68,13 @@ def _best_in_words(scene: SceneRuns) -> str:
 
 
 def _attitude(scene: SceneRuns, row: Row) -> str:
-    """Return a run's attitude error, degrees, as text; or how the run ended."""
+    """Return a run's attitude error as text, in degrees; if it has none, how the run ended."""
     if row.errors is None:
         return ended(row) if row.made else "not run"
     return f"{limited_errors(row.errors, scene.uncertainty(row), ('attitude',))[0]}°"
 
 
-#: Significant digits of numbers in the data; cells show two of them, the details of a cell three.
+#: Significant digits of numbers in the data. A cell shows two digits, and its details show three.
 DIGITS = 3
 #: The signal whose errors are shown at first.
 FIRST_SIGNAL = "attitude"
@@ -77,10 +83,10 @@ FIRST_SIGNAL = "attitude"
 def heat_map(gathered: ReportData) -> dict[str, Any]:
     """Return the data from which the page's script draws the table of errors.
 
-    Its entry `columns` has the methods. Each of `scenes` has a cell for each column, and the best
-    choices, the best first. A cell is None if the method was not tried on the scene; else it has,
-    for each name in `AT`, a run, or None if there is no such run. An error up to the reference's
-    uncertainty is given as that uncertainty with a minus sign.
+    The entry `columns` has the methods. Each entry of `scenes` has a cell for each column, and the
+    best choices, the best first. A cell is None if the method was not tried on the scene. Otherwise
+    it has a run for each name in `AT`, or None if there is no such run. An error that does not
+    exceed the reference's uncertainty is given as that uncertainty with a minus sign.
     """
     steps = own_timesteps(gathered)
     shipped = as_shipped(gathered)
@@ -127,13 +133,14 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
 
 
 def _label(pair: Pair, shipped: list[Pair]) -> str:
-    """Return the heading of a method's column: its name, or the engine's if it is as shipped.
+    """Return the heading of a method's column: its name, or its engine's name if it is as shipped.
 
-    If an engine as shipped has several methods, the headings of all but the first have the engine's
-    name and the method's.
+    If an engine has several methods as shipped, the heading of each but the first has the names of
+    both engine and method.
 
     Parameters
     ----------
+    pair : engine and method
     shipped : all methods as shipped, of all engines
     """
     engine, method = pair
@@ -144,7 +151,7 @@ def _label(pair: Pair, shipped: list[Pair]) -> str:
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:
-    """Return the page's data of a scene, without its runs."""
+    """Return the page's data about a scene, without its runs."""
     scenario = scene.solved.scenario if scene.solved else None
     return {
         "name": scene.name,
@@ -157,7 +164,7 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
 
 
 def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float) -> dict[str, Any] | None:
-    """Return the page's data of a method on a scene; None if it was not tried.
+    """Return the page's data about a method on a scene; None if it was not tried.
 
     `stock` is the stock timestep of the engine, s.
     """
@@ -171,7 +178,7 @@ def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float) -> dict[str, 
 
 
 def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
-    """Return the page's data of a run: its errors, or how it ended."""
+    """Return the page's data about a run: its errors, or how it ended if it has none."""
     if row.errors is None:
         return {
             "timestep": row.timestep,
@@ -188,10 +195,10 @@ def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
 
 
 def _best(scene: SceneRuns, best: BestChoice, steps: dict[str, float]) -> dict[str, Any]:
-    """Return the page's data of a best choice, with its cost relative to a run as shipped.
+    """Return the page's data about a best choice, with its cost relative to a run as shipped.
 
-    The run as shipped is at the stock timestep, by the same engine, or, if that has no such run, by
-    the first engine that has one.
+    That run is by the same engine at its stock timestep. If there is none, it is by the first
+    engine that has such a run.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The first page: headline, methods, complaints, survivors of hard scenes."""
+"""The first page: its headline, and tables of methods, of complaints and of hard scenes."""
 
 import math
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from ..tables import Cell, Table, figure, method_anchor, named, records, scene_p
 #: Attitude error, rad, up to which a run counts as close.
 CLOSE = math.radians(1.0)
 WORDS = tuple(kind.word for kind in LISTED)
-#: Groups of scenes by their effects, in the order of the page: scenes whose body is held by a
+#: Groups of scenes by their effects, in the order of the page. Scenes whose body is held by a
 #: constraint come first.
 FREE, NOT_SOLVED = "Free", "Not solved"
 _OF_HELD = [one.group for one in EFFECTS.values() if one.group and one.constraint]
@@ -27,7 +27,7 @@ GROUPS = tuple(dict.fromkeys([*_OF_HELD, FREE, *_OF_OTHERS, NOT_SOLVED]))
 def headline(gathered: ReportData) -> str:
     """Return, in sentences, how many verdicts of each kind there are on plain scenes.
 
-    Verdicts on engines as shipped are counted apart, and of hard scenes only the number is given.
+    Verdicts on methods as shipped are counted apart. Hard scenes are only counted.
     """
     plain = gathered.plain
     counts, shipped = (verdict_counts(plain, as_shipped=which) for which in (False, True))
@@ -58,9 +58,8 @@ def headline(gathered: ReportData) -> str:
 def at_stock(gathered: ReportData) -> str:
     """Return in words how many runs keep the attitude to within `CLOSE` at their stock timestep.
 
-    Only runs by methods with the verdict `converges`, which says nothing about errors at a given
-    timestep, are counted, and none of engines as shipped. The text is empty if there are no such
-    runs.
+    Only runs of clean methods with the verdict `converges` are counted: that verdict says nothing
+    about the errors at a given timestep. The text is empty if there are no such runs.
     """
     ((runs, close),) = ask(
         gathered,
@@ -78,7 +77,7 @@ def at_stock(gathered: ReportData) -> str:
 
 
 def group_of(scene: SceneRuns) -> str:
-    """Return the group of a scene, one of `GROUPS`, by the effects that it has."""
+    """Return the group of a scene, one of `GROUPS`, which depends on its effects."""
     if scene.solved is None:
         return NOT_SOLVED
     groups = [effect.group for effect in scene.solved.scenario.acting if effect.group]
@@ -86,7 +85,7 @@ def group_of(scene: SceneRuns) -> str:
 
 
 def methods_table(gathered: ReportData) -> Table:
-    """Return a table of the methods, with their results over all scenes."""
+    """Return a table of the methods, with the number of each verdict over all scenes."""
     declared = {runs.pair: runs.declared for scene in gathered.scenes for runs in scene.methods}
     versions: dict[Pair, list[str]] = {}
     for *pair, version in ask(
@@ -120,12 +119,12 @@ def complaints(
 ) -> Table:
     """Return a table of verdicts with their reasons.
 
-    It has the verdicts of the kinds that `is_listed` selects, and those with unmet expectations.
+    It has all verdicts of the kinds that `is_listed` selects, and all with unmet expectations.
 
     Parameters
     ----------
-    is_listed : returns whether all verdicts of a kind are in the table
-    as_shipped : True for a table of methods as shipped, False for one of all others
+    is_listed : function that tells whether verdicts of a kind are in the table
+    as_shipped : True for a table of methods as shipped, False for one of clean methods
     """
     rows = []
     for kind in LISTED:
@@ -149,7 +148,7 @@ def _declared_orders(declared: Method | None) -> str:
 
 
 def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> dict[str, Cell | str]:
-    """Return a verdict as a row of a table, with its reason."""
+    """Return a row of a table with a verdict and its reason."""
     page = scene_page(scene.name)
     link = f"{page}#{method_anchor(runs.engine, runs.method)}"
     unmet = "expectation unmet" if verdict.unmet else ""
@@ -162,7 +161,7 @@ def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> dict[str
 
 
 def reason_of(verdict: Verdict) -> str:
-    """Return the reason of a verdict, and its unmet expectations."""
+    """Return the reason of a verdict, followed by its unmet expectations, as one text."""
     return "; ".join([verdict.reason, *(f"expectation unmet: {line}" for line in verdict.unmet)])
 
 
@@ -171,7 +170,7 @@ def _listed(parts: list[str]) -> str:
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
-#: Turn in a step, rad, at which methods are compared.
+#: Turns in a step at which the survival of methods is compared, rad.
 TURNS = (0.01, 0.1, 1.0)
 
 
@@ -181,9 +180,9 @@ def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
 
 
 def survivors_table(gathered: ReportData) -> Table:
-    """Return a table of how many hard scenes each method survives, by the turn in a step, rad.
+    """Return a table of how many hard scenes each method survives, at several turns in a step.
 
-    The turn in a step is the timestep times the scene's fastest rate.
+    The turn in a step is the timestep times the scene's fastest rate, rad.
     """
     reached = ", ".join(f"count(*) FILTER (WHERE at_least OR turn >= {turn})" for turn in TURNS)
     question = f"""

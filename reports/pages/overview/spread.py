@@ -1,4 +1,4 @@
-"""The distribution of errors at stock timesteps over starts and bodies: a curve for each engine."""
+"""Distributions of errors at stock timesteps over random starts and bodies, from ensembles."""
 
 import math
 from collections.abc import Sequence
@@ -18,9 +18,9 @@ from ..tables import Cell, figure, scene_page, table
 
 
 def spread(results: Results) -> dict[str, Any] | None:
-    """Return the distributions of errors at stock timesteps; None if no ensemble was run.
+    """Return the distributions of errors at stock timesteps; None if there are none.
 
-    Each kind of motion with an ensemble has one, with a figure and a table.
+    Each kind of motion that an ensemble was run on has a distribution, as a figure and a table.
     """
     ensembles = [one for one in results.ensembles if one.points and one.ensemble.timestep is None]
     declared = _declared([point for one in ensembles for point in one.points], results)
@@ -43,13 +43,13 @@ def spread(results: Results) -> dict[str, Any] | None:
 
 
 def _declared(points: Sequence[Row], results: Results) -> dict[Pair, Method | None]:
-    """Return what adapters declared about the methods that were run; None if nothing is stored.
+    """Return, for each method that was run, what its adapter declared; None if that is not stored.
 
     Methods are sorted by engine, and within an engine as the adapter lists them.
 
     Parameters
     ----------
-    points : the runs of ensembles
+    points : the runs on the members of ensembles
     """
     listed = {pair: rank for rank, pair in enumerate(results.methods)}
     pairs = {point.pair for point in points}
@@ -63,9 +63,16 @@ def _of_kind(
     declared: dict[Pair, Method | None],
     styles: dict[Pair, TraceStyle],
 ) -> dict[str, Any] | None:
-    """Return the figure and table of ensembles of one kind of motion; None if no error exceeds 0.
+    """Return the figure and table for one kind of motion; None if no error exceeds 0.
 
-    They show the best method as shipped and the best other method of each engine.
+    They show the best method as shipped and the best clean method of each engine.
+
+    Parameters
+    ----------
+    kind : the kind of motion
+    ensembles : the ensembles of that kind
+    declared : what the adapters declared about the methods
+    styles : how the methods are drawn
     """
     # Two ensembles of the same scene may have members in common.
     points = {(p.key.scenario, p.variation, p.pair): p for one in ensembles for p in one.points}
@@ -83,15 +90,15 @@ def _of_kind(
 
 
 def _shown(points: Sequence[Row], declared: dict[Pair, Method | None]) -> list[Members]:
-    """Return the runs of each engine's best method as shipped, and of its best other method.
+    """Return the runs of each engine's best method as shipped, and of its best clean method.
 
-    The best has the least median error. Methods that differ only in how models are read are left
-    out, unless they are as shipped.
+    The best method has the least median error. Clean methods that differ from others only in how
+    they read models are left out.
 
     Parameters
     ----------
     points : runs on the members of ensembles
-    declared : what the adapters declared about the methods, as `_declared` returns it
+    declared : what the adapters declared about the methods, from `_declared`
     """
     chosen: dict[tuple[str, bool], Members] = {}
     members = members_of(points, declared)
@@ -103,7 +110,7 @@ def _shown(points: Sequence[Row], declared: dict[Pair, Method | None]) -> list[M
 
 
 def _from_best(one: Members) -> tuple[float, float]:
-    """Return a sort key: the median error and the largest one; infinite if nothing was run."""
+    """Return a sort key: the median and the largest error; both are infinite if nothing was run."""
     median, *_, largest = one.quantiles(ATTITUDE) or (math.inf, math.inf)
     assert median is not None, "a median there always is"
     assert largest is not None, "a largest there always is"

@@ -1,4 +1,4 @@
-"""Tables on a scene's page: the effect of each of an engine's defaults on the motion."""
+"""Tables on a scene's page that show what each default of an engine does to the motion."""
 
 import math
 
@@ -8,8 +8,8 @@ from ..analysis.report_data import SceneRuns
 from ..analysis.wording import NOTHING, duration, limited_errors
 from ..tables import Captioned, Cell, Table, figure, table
 
-#: A default has an effect if the error of ω with it exceeds this multiple of the error without any
-#: default, and this size.
+#: A default alters ω if the error of ω with this default alone exceeds this multiple of the error
+#: without any default, and also this relative error.
 NOTICED, NEGLIGIBLE = 1.5, 1e-6
 
 
@@ -26,7 +26,7 @@ def default_tables(scene: SceneRuns) -> list[Captioned]:
 
 
 def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
-    """Return a table of the errors with each default alone, and with all defaults but that.
+    """Return a table of the errors with each default alone, and with all defaults but that one.
 
     The last row has the errors with no default, and with all.
     """
@@ -44,7 +44,7 @@ def _table(scene: SceneRuns, measured: DefaultEffects) -> Table:
 
 
 def _sentence(measured: DefaultEffects) -> str:
-    """Return, in words, which defaults increase the error of ω by themselves, the worst first."""
+    """Return, in words, which defaults alter ω by themselves, the worst first."""
     if measured.none is None:
         return "The run does not come to its end without any of them."
     least = max(NOTICED * measured.none.omega, NEGLIGIBLE)
@@ -67,9 +67,10 @@ def _size(errors: Errors | None) -> float:
 
 
 def _errors(scene: SceneRuns, errors: Errors | None) -> list[Cell]:
-    """Return cells of errors of attitude, ω and energy; those up to the uncertainty as a bound.
+    """Return three cells with the errors of attitude, ω and energy.
 
-    If `errors` is None, the first cell says that the run diverged.
+    An error that does not exceed the uncertainty is shown as "≤" and the uncertainty. If `errors`
+    is None, the first cell says that the run diverged.
     """
     if errors is None:
         return [Cell("diverged", "diverged"), figure(NOTHING), figure(NOTHING)]

@@ -1,7 +1,8 @@
-"""The motions of a scene as its page carries them: compact, for the player and for β(t), ω(t).
+"""The motions of a scene in the compact form in which its page carries them.
 
-Attitudes and rates are rounded to what a picture shows. Errors are not computed from these: they
-are computed here from the doubles of the result file, and carried as logarithms.
+The page's player shows them, and its figures of β(t) and ω(t). Attitudes and rates are rounded to
+what a picture shows. Errors are computed here, from the unrounded numbers of the result file, and
+carried as logarithms.
 """
 
 import math
@@ -20,29 +21,30 @@ from ..figures.drawn_body import drawn_body
 from ..figures.plot import claimed, thinned
 from ..page_data import Differences, differenced
 
-#: Largest number of samples on a page of the exact motion, and of a run; the page grows with each.
+#: Largest number of samples of the exact motion, and of a run, that a page carries: its size grows
+#: with each.
 EXACT_SAMPLES, RUN_SAMPLES = 600, 200
 #: Largest number of samples of all runs of a page together.
 PAGE_SAMPLES = 4400
-#: Number of samples for each turn at the fastest rate, through which the page's script draws smooth
-#: lines.
+#: Numbers of samples for each turn at the fastest rate, of the exact motion and of runs, with which
+#: the lines that the page's script draws look smooth.
 EXACT_A_TURN, RUN_A_TURN = 16, 6
-#: Least number of samples of a motion of a few turns.
+#: Least number of samples, for a motion of few turns.
 LEAST_SAMPLES = 60
-#: Number of turns from which paths in space are drawn, if the whole motion would take more than
-#: `EXACT_SAMPLES` samples.
+#: Number of turns, from the start on, that paths in space show if the whole motion would need more
+#: than `EXACT_SAMPLES` samples.
 FIRST_TURNS = 20
-#: Attitude error, rad, up to which a run looks like the exact motion, and is drawn as that.
+#: Attitude error up to which a run looks like the exact motion, and is drawn as that, rad.
 INVISIBLE = 1e-3
-#: Attitude error, rad, from which on a run is noticeably off.
+#: Attitude error beyond which a run is noticeably off, rad.
 NOTICEABLE = math.radians(1.0)
-#: Steps to which components of quaternions are rounded, for the exact motion and for runs. If an
-#: axis shows one degree, the rounding of runs, half a step, moves a line by about a pixel.
+#: Steps to which components of quaternions are rounded, for the exact motion and for runs. In a
+#: figure whose axis spans one degree, the rounding of runs moves a line by about a pixel.
 EXACT_STEP, RUN_STEP = 2.0**-16, 2.0**-13
 #: Steps to which components of ω are rounded, in units of the exact motion's fastest rate.
 EXACT_OMEGA_STEP, RUN_OMEGA_STEP = 2.0**-15, 2.0**-12
-#: Step to which logarithms of errors are rounded, in decades (1.2 %); and the least that is
-#: carried.
+#: Step to which common logarithms of errors are rounded, which changes errors by 1.2 % at most; and
+#: the least logarithm that is carried.
 DECADES_STEP, LOWEST_DECADE = 0.01, -20.0
 
 
@@ -75,8 +77,8 @@ def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
 def _first(scene: SceneRuns) -> int:
     """Return the index, in `scene.compared`, of the run that the page plays first.
 
-    It is the run with the least attitude error of all engines as shipped, each at the longest stock
-    timestep that is drawn; the index is 0 if there is no such run.
+    Among the runs of engines as shipped, each at its longest stock timestep that is drawn, it is
+    the one with the least attitude error. The index is 0 if there is no such run.
     """
     shipped = [
         (float(run.series["attitude"].max()), k)
@@ -87,7 +89,7 @@ def _first(scene: SceneRuns) -> int:
 
 
 def noticeable_from(run: Compared) -> float | None:
-    """Return when a run's attitude error first exceeds `NOTICEABLE`, s; None if it never does."""
+    """Return when, s, a run's attitude error first exceeds `NOTICEABLE`; None if it never does."""
     beyond = np.flatnonzero(run.series["attitude"] > NOTICEABLE)
     return float(run.motion.t[beyond[0]]) if len(beyond) else None
 
@@ -98,7 +100,7 @@ def run_name(row: Row) -> str:
 
 
 def _body(solved: SceneResult) -> dict[str, Any]:
-    """Return the body, its axis and its inertia, as the page's script draws them."""
+    """Return the body, its axis and its inertia for the page's script."""
     scenario, drawn = solved.scenario, drawn_body(solved)
     return {
         "shape": drawn.shape,
@@ -152,10 +154,10 @@ def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
 
 
 def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> NDArray[np.intp]:
-    """Return the indices of the samples that the page carries of a run.
+    """Return the indices of the samples of a run that the page carries.
 
-    They are evenly spread. The samples of the largest errors of attitude and ω, and the first with
-    a noticeable attitude error, are added.
+    They are evenly spread; in addition there are the samples with the largest errors of attitude
+    and of ω, and the first sample with a noticeable attitude error.
 
     Parameters
     ----------
@@ -171,9 +173,9 @@ def _kept(run: Compared, most: int, attitude: FloatArray, omega: FloatArray) -> 
 
 
 def _largest_since(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
-    """Return, for each kept sample, the largest value since the kept sample before it, (m,).
+    """Return, for each kept sample, the largest value from after the previous one up to it, (m,).
 
-    The first is NaN.
+    The first is NaN, as no kept sample comes before it.
 
     Parameters
     ----------
@@ -185,12 +187,12 @@ def _largest_since(values: FloatArray, kept: NDArray[np.intp]) -> FloatArray:
 
 
 def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
-    """Return the number of samples that a motion needs, by the turns in the window.
+    """Return the number of samples that a motion needs, which grows with its number of turns.
 
     Parameters
     ----------
     most : largest number of samples that is returned
-    a_turn : number of samples for each turn
+    a_turn : number of samples for each turn at the fastest rate
     """
     return int(min(most, max(LEAST_SAMPLES, math.ceil(a_turn * scene.turns))))
 
@@ -199,19 +201,19 @@ def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:
     """Return the exact motion for the page's script; `fastest` is its largest ‖ω‖, rad/s."""
     samples = np.arange(len(motion.t))
     states = _states(motion, samples, EXACT_STEP, EXACT_OMEGA_STEP * fastest)
-    # The times are evenly spread, and need not be carried.
+    # The times are evenly spread, so that their differences take almost no space.
     return states | {"t": differenced(motion.t, float(motion.t[-1]) / samples[-1])}
 
 
 def _states(
     motion: Trajectory, kept: NDArray[np.intp], step: float, omega_step: float
 ) -> dict[str, Any]:
-    """Return the components of attitude and ω, body axes, packed by `differenced` for the page.
+    """Return the components of attitude and of ω, body axes, each as `Differences`.
 
     Parameters
     ----------
-    kept : indices of the samples
-    step, omega_step : steps to which quaternions and ω, rad/s, are rounded
+    kept : indices of the samples that are returned, (m,)
+    step, omega_step : steps to which components of quaternions, and of ω, rad/s, are rounded
     """
     q = _continuous(motion.q_world_body_wxyz[kept])
     return {
@@ -221,12 +223,12 @@ def _states(
 
 
 def _continuous(q: FloatArray) -> FloatArray:
-    """Return quaternions, (n, 4), with signs chosen so that each is close to the one before."""
+    """Return quaternions, (n, 4), with their signs chosen so that each is close to the previous."""
     flips = np.cumsum(np.einsum("ij,ij->i", q[1:], q[:-1]) < 0)
     return np.asarray(q * np.where(np.append(0, flips) % 2, -1.0, 1.0)[:, None])
 
 
 def _decades(errors: FloatArray) -> Differences:
-    """Return the common logarithms of errors, at least `LOWEST_DECADE`, as differences."""
+    """Return common logarithms of errors, (n,), none below `LOWEST_DECADE`, as `Differences`."""
     with np.errstate(divide="ignore"):
         return differenced(np.maximum(np.log10(errors), LOWEST_DECADE), DECADES_STEP)

@@ -1,4 +1,4 @@
-"""The top of a scene's page: what to use, and the errors of engines' defaults."""
+"""The top of a scene's page: what to use, and how large the errors of engines' defaults are."""
 
 import math
 import shlex
@@ -32,18 +32,18 @@ HEADINGS = (
 )
 
 
-#: Number of engines whose defaults are described, and drawn at first.
+#: Number of engines whose defaults are described, and drawn when the page opens.
 SHOWN_DEFAULTS = 2
-#: Number of wrong methods whose gains are drawn at first.
+#: Number of wrong methods whose gains are drawn when the page opens.
 SHOWN_WRONG = 2
 
 
 def scene_answer(scene: SceneRuns) -> dict[str, Any] | None:
-    """Return the answer at the top of a scene's page; None if the scene could not be solved.
+    """Return the contents of the top of a scene's page; None if the scene could not be solved.
 
-    Its entry `uses` has the best choice of each engine, the best of all first. `defaults` is a
-    table of engines as shipped at their stock timesteps, and of the best choice; `others` is a
-    table of all other methods at stock timesteps.
+    The entry `uses` has the best choice of each engine, the best of all first. `defaults` is a
+    table of methods as shipped at their stock timesteps, and of the best choice of all. `others` is
+    a table of clean methods at stock timesteps.
     """
     if scene.solved is None:
         return None
@@ -65,14 +65,14 @@ def scene_answer(scene: SceneRuns) -> dict[str, Any] | None:
 
 
 def _is_of_files(scene: SceneRuns) -> bool:
-    """Return whether a scene's runs were read from files, so that no advice on engines applies."""
+    """Return whether a scene's runs are recorded motions, so that no advice on engines applies."""
     return {runs.engine for runs in scene.methods} == {RecordedEngine.name}
 
 
 def shown_at_first(scene: SceneRuns) -> set[str]:
-    """Return the labels of the methods shown in figures at first.
+    """Return the labels of the methods that figures show when the page opens.
 
-    They are the `SHOWN_DEFAULTS` engines as shipped with the smallest errors, and the best choice
+    They are the `SHOWN_DEFAULTS` methods as shipped with the smallest errors, and the best choice
     if there is one.
     """
     best = best_choice(scene)
@@ -81,10 +81,10 @@ def shown_at_first(scene: SceneRuns) -> set[str]:
 
 
 def gains_shown_at_first(scene: SceneRuns) -> set[str]:
-    """Return the labels of the methods whose gains are shown at first.
+    """Return the labels of the methods whose gains are shown when the page opens.
 
-    They are at most `SHOWN_WRONG` methods that disagree, and one that does not: the best choice, or
-    else the first. Only methods whose steps were examined are considered.
+    They are at most `SHOWN_WRONG` methods that disagree, and one that does not: the best choice if
+    there is one, else the first. Methods without evidence of their steps are left out.
     """
     examined = [one for one in scene.methods if one.verdict and one.evidence and one.evidence.steps]
     wrong = [one.label for one in examined if one.verdict and one.verdict.verdict == "disagrees"]
@@ -95,9 +95,10 @@ def gains_shown_at_first(scene: SceneRuns) -> set[str]:
 
 
 def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
-    """Return engines as shipped with their runs at stock timesteps, the smallest error first.
+    """Return methods as shipped with their runs at stock timesteps, the smallest error first.
 
-    Each method comes with its run at its longest stock timestep. Runs without errors come last.
+    Each method comes with its run at the longest of its stock timesteps. Runs without errors come
+    last.
     """
     shipped = [runs for runs in scene.methods if runs.as_shipped]
     tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
@@ -105,9 +106,9 @@ def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
 
 
 def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
-    """Return a run's attitude error, degrees, as text; `NOTHING` if there is none.
+    """Return a run's attitude error as text, in degrees; `NOTHING` if it has no errors.
 
-    An error that does not exceed the reference's uncertainty is shown as "≤ uncertainty".
+    An error that does not exceed the reference's uncertainty is shown as "≤" and the uncertainty.
     """
     if row.errors is None:
         return NOTHING
@@ -115,7 +116,10 @@ def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
 
 
 def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
-    """Return, in sentences, the errors of the defaults and of the best choice."""
+    """Return sentences on the errors of defaults and of the best choice, or why there is none.
+
+    If the runs are recorded motions, the sentences are about those alone.
+    """
     defaults = closest_defaults(scene)
     if _is_of_files(scene):
         return " ".join(_run_in_words(scene, "The recorded motion", row) for _, row in defaults)
@@ -139,7 +143,7 @@ def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
 
 
 def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
-    """Return a sentence with a run's attitude error, or how it ended."""
+    """Return a sentence with a run's attitude error; if it has none, how the run ended."""
     run = f"{_capital(label)} at {duration(row.timestep)}"
     if row.errors is not None:
         return f"{run} is off by {attitude_in_degrees(scene, row)}° at worst."
@@ -151,9 +155,10 @@ def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
 
 
 def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
-    """Return, in words, the cost of the best choice relative to its engine's default.
+    """Return, in words, the cost of the best choice relative to its engine as shipped.
 
-    The text is empty if either was not timed, or the default's run is missing or not ok.
+    The text is empty if one of the two was not timed, or if the run as shipped is missing or not
+    `ok`.
     """
     for runs, row in defaults:
         usual = cost(row)
@@ -166,7 +171,7 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
 def _use(scene: SceneRuns, choice: BestChoice) -> dict[str, Any]:
     """Return a best choice for the page: a summary, what users write, and a command to check it.
 
-    If the adapter does not state what users write, that is a command that writes a script.
+    If the adapter does not state what users write, there is a command that writes a script instead.
     """
     off, key = attitude_in_degrees(scene, choice.row), choice.row.key
     options = [scene.name, "--engine", key.engine, "--method", key.method]
@@ -182,7 +187,7 @@ def _use(scene: SceneRuns, choice: BestChoice) -> dict[str, Any]:
 
 
 def _facts(scene: SceneRuns, best: BestChoice) -> list[tuple[str, str]]:
-    """Return names and values of what the page states of a best choice."""
+    """Return pairs of name and value that the page states about a best choice."""
     assert best.row.errors is not None, "only a run with errors is recommended"
     limits = scene.uncertainty(best.row)
     attitude, omega = limited_errors(best.row.errors, limits, ("attitude", "omega"))
@@ -215,7 +220,8 @@ def _line(
 
     Parameters
     ----------
-    seen : the runs that are compared with the exact motion at each sample, by method and timestep
+    runs, row : all runs of the method, and the run
+    seen : the runs whose errors are known at each sample, by key and timestep
     note : words that follow the timestep, such as "recommended"
     """
     compared = seen.get((row.key, row.timestep))
@@ -230,14 +236,14 @@ def _line(
 
 
 def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
-    """Return four cells: a run's errors, and the time at which it is first more than 1° off.
+    """Return four cells: a run's attitude error, when it first exceeds 1°, ω error, energy error.
 
-    They are the attitude error, that time, the ω error and the energy error. Without errors the
-    first cell says how the run ended, and the others are `NOTHING`.
+    If the run has no errors, the first cell says how it ended, and the others are `NOTHING`.
 
     Parameters
     ----------
-    noticed : that time, s; None if there is none, or if it is not known
+    noticed : the time at which the attitude error first exceeds 1°, s; None if it never does, or if
+        that time is not known
     """
     if row.errors is None:
         word = ended(row) if row.made else "not run"
@@ -253,7 +259,10 @@ def _errors(scene: SceneRuns, row: Row, noticed: float | None) -> list[Cell]:
 
 
 def _capital(text: str) -> str:
-    """Return a method's label with the engine's own spelling of its name, if that is known."""
+    """Return a method's label, in which the engine's name is spelled as the engine itself does.
+
+    This is done for engines whose spelling is known.
+    """
     names = {"mujoco": "MuJoCo", "pybullet": "PyBullet"}
     engine, _, method = text.partition(" ")
     return f"{names.get(engine, engine)} {method}"

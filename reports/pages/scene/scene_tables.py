@@ -1,4 +1,4 @@
-"""A scene's tables: its reference, verdicts, conserved quantities, every run."""
+"""The tables on a scene's page: its reference, verdicts, conserved quantities and runs."""
 
 import math
 from collections import Counter
@@ -35,7 +35,7 @@ from ..tables import (
 
 
 def effects_table(scenario: Scenario) -> Table:
-    """Return a table of the effects that the scene calls for, and of those it leaves out."""
+    """Return a table that says of each effect whether the scene has it."""
     rows = [
         (
             name.replace("_", ", axes of the "),
@@ -47,7 +47,7 @@ def effects_table(scenario: Scenario) -> Table:
 
 
 def exact_motion_table(solved: SceneResult) -> Table:
-    """Return a table of the reference's uncertainty and conditioning."""
+    """Return a table of the reference's uncertainty and conditioning in each signal."""
     known = {
         "uncertainty": solved.solution.uncertainty,
         "what one ulp in the start does": solved.solution.conditioning,
@@ -61,7 +61,7 @@ def exact_motion_table(solved: SceneResult) -> Table:
 
 
 def facts_table(solved: SceneResult) -> Table:
-    """Return a table of numbers that follow from the scene, with their meanings."""
+    """Return a table of numbers that are derived from the scene, with their units and meanings."""
     rows = [
         (fact.name, figure(observed(fact.value)), fact.unit, fact.meaning)
         for fact in facts(solved.scenario)
@@ -70,14 +70,14 @@ def facts_table(solved: SceneResult) -> Table:
 
 
 def verdict_table(scene: SceneRuns) -> Table:
-    """Return a table of verdicts, each row with an anchor for links."""
+    """Return a table of the verdicts on all methods; each row has an anchor for links."""
     made = records(_verdict_row(scene, runs) for runs in scene.methods)
     anchors = tuple(method_anchor(runs.engine, runs.method) for runs in scene.methods)
     return Table(made.headings, made.rows, anchors)
 
 
 def signals_table(scene: SceneRuns) -> Table:
-    """Return a table of the errors of each method's finest run, by signal.
+    """Return a table with a row for each method and signal, about the error of the finest run.
 
     Each row also has the observed order, and the timestep below which rounding makes the error
     grow.
@@ -102,7 +102,7 @@ def signals_table(scene: SceneRuns) -> Table:
 
 
 def _declared(runs: MethodRuns, signal: Signal) -> str:
-    """Return the declared order of a signal as text; `NOTHING` if none is known."""
+    """Return a method's declared order of accuracy in a signal as text; `NOTHING` if not known."""
     declared = runs.declared
     if declared is None:
         return NOTHING
@@ -110,7 +110,7 @@ def _declared(runs: MethodRuns, signal: Signal) -> str:
 
 
 def published_table(scenario: Scenario) -> Table | None:
-    """Return a table that compares published values with the exact motion; None without any."""
+    """Return a table of published values beside exact ones; None if there are none."""
     holds = {True: Cell("✓ holds", "converges"), False: Cell("✗ does not hold", "disagrees")}
     made = records(
         {
@@ -129,10 +129,10 @@ def published_table(scenario: Scenario) -> Table | None:
 
 
 def drifts_table(scene: SceneRuns) -> Table | None:
-    """Return a table of the drifts of each method's finest run, relative.
+    """Return a table of the relative drifts of each method's finest run.
 
     Methods whose finest run has no drifts are left out. None is returned if the motion conserves
-    nothing, or no method is left.
+    nothing, or if no method is left.
     """
     laws = [invariant.law for invariant in invariants(scene.exact.scenario)]
     shown = [(runs, runs.finest) for runs in scene.methods]
@@ -169,7 +169,7 @@ def runs_tables(scene: SceneRuns) -> list[Captioned]:
 
 
 def printed(scene: SceneRuns) -> list[tuple[str, str]]:
-    """Return what engines wrote to the terminal: pairs of a method and a text, each text once."""
+    """Return pairs of a method and a text that its engine printed; the same pair is given once."""
     outputs = [(runs.label, row.printed) for runs in scene.methods for row in runs.rows]
     return list(dict.fromkeys((label, text) for label, text in outputs if text.strip()))
 
@@ -204,13 +204,13 @@ def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> dict[str, Cell | str]:
 
 
 def _besides(runs: MethodRuns) -> str:
-    """Return a sentence on what acted though the scene does not call for it; empty if nothing."""
+    """Return a sentence on what acted without the scene's calling for it; empty if nothing did."""
     names = dict.fromkeys(name for row in runs.rows for name in row.unasked)
     return f"Active though the scene does not call for it: {', '.join(names)}." if names else ""
 
 
 def _summary(runs: MethodRuns) -> str:
-    """Return a line on a method: its version, the verdict, and how its runs ended."""
+    """Return a line about a method: the engine's version, the verdict, and how its runs ended."""
     ended = Counter(row.outcome for row in runs.rows if row.made)
     versions = dict.fromkeys(row.engine_version for row in runs.rows)
     outcomes = ", ".join(f"{amount} {outcome}" for outcome, amount in ended.items())
@@ -219,12 +219,12 @@ def _summary(runs: MethodRuns) -> str:
 
 
 def _components(values: FloatArray) -> str:
-    """Return numbers as text, with nine digits each, and a dash for what is NaN."""
+    """Return numbers as text, with nine digits each, and a dash for each NaN."""
     return ", ".join("—" if math.isnan(value) else f"{value:.9g}" for value in values)
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
-    """Return a run as a row of the table of runs."""
+    """Return a run as a row of its method's table of runs."""
     errors = [NOTHING] * len(scene.signals)
     if row.errors is not None:
         names = [signal.name for signal in scene.signals]
@@ -247,7 +247,7 @@ def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
 
 
 def _largest_drift(row: Row) -> str:
-    """Return the largest drift of a run and what drifts, as text; `NOTHING` if none is known."""
+    """Return a run's largest drift, and the name of what drifts, as text; `NOTHING` if unknown."""
     if not row.drifts:
         return NOTHING
     name = max(row.drifts, key=lambda law: row.drifts[law] if row.drifts else 0.0)
