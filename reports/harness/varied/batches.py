@@ -118,7 +118,7 @@ class BatchRow:
 
 
 def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """Return the row of `batch_of`, called by an executor; if the call fails, a row that says so."""
+    """Return the row of `batch_of`, made by an executor; it says so if the call has failed."""
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):
         return replace(row, outcome="failed", reason=answer.value.reason)
