@@ -163,9 +163,9 @@ def _shared(body: Body, count: int) -> tuple[Part, ...]:
 
 
 def _longest(body: Body) -> tuple[Vector, mpf]:
-    """Return the axis of the least principal moment, and the body's Σ m x² along it, kg m².
+    """Return the axis of the least principal moment, and the body's Σ m x², kg m².
 
-    The axis is a unit vector along body axes.
+    The axis is a unit vector, body axes, and x is the coordinate along it from the com.
     """
     moments, R_body_axes = principal_axes(body.inertia_com_exact)
     least = min(range(3), key=lambda k: moments[k])

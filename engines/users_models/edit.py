@@ -132,7 +132,7 @@ def set_attributes(
 
 
 def _inside(data: bytes, element: Element, new: bytes) -> tuple[Span, bytes]:
-    """Return the edit that inserts the XML `new` as the first child of an element."""
+    """Return the edit that inserts an XML element, `new`, as the first child of an element."""
     start, end = element.span[0], tag_end(data, element.span[0])
     tag = data[start:end]
     if tag.endswith(b"/>"):

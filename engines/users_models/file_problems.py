@@ -62,7 +62,7 @@ def problems_of_parts(body: RigidBody) -> tuple[tuple[Link, FileProblem], ...]:
 
 
 def _of_mass(stated: Stated) -> Iterator[tuple[str, str]]:
-    """Yield kind and text of a fault: a negative mass, a mass or a tensor without the other."""
+    """Yield kind and text of a fault: negative mass, tensor without mass, mass without tensor."""
     if stated.mass < 0:
         yield "negative mass", f"a mass of {stated.mass:g} kg"
     elif stated.mass == 0 and stated.inertia_com.any():

@@ -134,7 +134,8 @@ class _Reader:
 
         Parameters
         ----------
-        parent : name of the body that they are attached to; empty for the world
+        element : the element; it has bodies, frames or replicates as children
+        parent : name of the body to which these bodies are attached; empty for the world
         frame : pose of the element's frame in the parent's frame
         """
         for child in element.children:

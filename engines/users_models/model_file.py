@@ -91,7 +91,7 @@ class Link:
 
     Attributes
     ----------
-    where : name of the file, and the line or the path of the link
+    where : name of the file, and the line at which the link begins, or its path in a USD file
     stated : mass, com and tensor that the file states; None if it does not state them
     parent : name of the link that this one is attached to; empty for a root
     pose : pose of the link's frame in the parent's frame

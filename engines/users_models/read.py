@@ -104,7 +104,7 @@ class UsersLink:
 
 
 def users_link(scenario: Scenario) -> UsersLink:
-    """Read the model file that a scene names, and return the link that the scene names.
+    """Read the model file that a scene names; return the link, and links welded to it, from there.
 
     Raises
     ------

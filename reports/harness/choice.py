@@ -16,9 +16,9 @@ class Choice:
 
     Attributes
     ----------
-    engines : the engines that are run; none if empty
-    methods : names of the methods that are run; all that an engine offers for a scene if empty
-    timesteps : s; if there are none, the ladder is run
+    engines : the engines that are run
+    methods : names of the methods that are run; if empty, all that an engine offers for a scene
+    timesteps : the timesteps of the runs, s; if empty, the ladder is run
     max_steps : a ladder ends before a run would take more steps than this
     timed : whether steps are timed
     hard_in_passing : whether hard scenes are not timed, and a run of their ladders takes at most

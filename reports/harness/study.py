@@ -38,7 +38,7 @@ Progress = Callable[[str], None]
 def run_study(
     left: Plan, choice: Choice, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run the missing methods of every scene, then measure what their steps cost.
+    """Make the missing verdicts on all scenes, then measure the missing costs of steps.
 
     Nothing else runs while steps are timed. Each row, verdict and cost is stored as soon as it is
     made.
@@ -271,7 +271,10 @@ def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
 def _verdict_of_unsolved(
     key: Key, engine: Engine, failure: CallFailed, choice: Choice, store: Store
 ) -> Verdict:
-    """Return the verdict that the exact motion could not be found, and store it with such a row."""
+    """Return the verdict that the exact motion could not be found.
+
+    It is stored, together with a row that says the same.
+    """
     reason = f"the exact motion could not be found: {failure.reason}"
     store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure)))
     verdict = Verdict(key, "failed", reason, timesteps=tuple(sorted(choice.timesteps)))

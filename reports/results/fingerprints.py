@@ -87,8 +87,8 @@ def modules(kind: str) -> frozenset[str]:
 def adapter(kind: type[Engine]) -> str:
     """Return the digest of an adapter's source, and of all modules of this program that it imports.
 
-    It is empty if the class has no source file. An adapter in a folder of its own has all Python
-    files there as source.
+    It is empty if the class has no source file. If the adapter has a folder of its own, all Python
+    files in there are its source.
 
     Parameters
     ----------

@@ -168,7 +168,7 @@ def _when(fault: StepFault) -> str:
 
 
 def _gained(fault: StepFault) -> str:
-    """Return, in words, at which rate a quantity changes, and at which rate it should."""
+    """Return, in words, the rate at which a quantity changes, and the rate at which it should."""
     if fault.quantity == "parts":
         off = math.hypot(*fault.got)
         return f"{RATES['parts']} changes at a rate of {off:.{DIGITS}g} N m {_when(fault)}, not 0"

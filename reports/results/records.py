@@ -98,8 +98,8 @@ Variation = Annotated[str, AfterValidator(_variation)]
 class Record:
     """Base of dataclasses that are stored in result files.
 
-    When a record is read from a file, a value of another type than its field declares is refused,
-    and so is an unknown field. The constructor checks nothing.
+    A value of another type than its field declares is refused when a record is read from a file,
+    and so is an unknown field. The constructor does not check types.
     """
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
@@ -154,7 +154,7 @@ class Defect:
     p50, p95, max : median, 95th percentile and largest over the intervals between samples, in the
         norm and unit of the signal's errors
     at : time of the end of the interval with the largest defect, s
-    floor : the largest defect that round-off, or noise as small as it, may cause
+    floor : the largest defect that rounding and the tolerance of solvers may cause
     """
 
     p50: Size
@@ -297,7 +297,7 @@ class Row(Record):
 
     @property
     def ending_in_words(self) -> str:
-        """Why the run ended as it did, when, and with which timestep."""
+        """Why and when the run ended as it did, and its timestep, in words."""
         when = f" at {self.stopped_at:.4g} s" if self.stopped_at is not None else ""
         if self.cause == "effects":
             return self.reason

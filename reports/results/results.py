@@ -57,7 +57,7 @@ class Results:
 
     @property
     def every_row(self) -> list[Row]:
-        """All runs: those in which nothing is varied, then the others, sorted."""
+        """The runs in which nothing is varied, then the others, sorted by method and variation."""
         return [*self.rows, *sorted(self.varied, key=_place)]
 
     def of(self, scene: str) -> Self:

@@ -186,8 +186,8 @@ class Store:
 
         Parameters
         ----------
-        evidence : None if there is none
-        discardable : timesteps, s, of the runs of the same method and scene whose samples are
+        evidence : the evidence that the verdict rests on; None if there is none
+        discardable : timesteps, s, of those runs of the same method and scene whose samples are
             dropped
         """
         with self._database.transaction() as connection:

@@ -53,7 +53,7 @@ class Finding:
 
     @property
     def about(self) -> str:
-        """The engines and links that the finding is about, and a colon; empty if there are none."""
+        """The engines and links that the finding is about, then a colon; empty without any."""
         about = [part for part in (" and ".join(self.who), listed(self.names)) if part]
         return f"{', '.join(about)}: " if about else ""
 
@@ -110,7 +110,7 @@ def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
 
 
 def differences(inspection: Inspection) -> list[Finding]:
-    """Return findings about engines: files that they refuse, then wrong bodies, the worst first."""
+    """Return findings about engines: why they refuse the file, then wrong bodies, worst first."""
     wrong = sorted(wrong_readings(inspection), key=lambda one: badness(one[0]), reverse=True)
     return [
         *(Finding((" ".join(who),), (), reason) for who, reason in inspection.refusals.items()),

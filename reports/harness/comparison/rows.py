@@ -138,8 +138,8 @@ def unmet_expectations(
 ) -> list[str]:
     """Return in words each part of an expectation that a run does not meet.
 
-    There is one sentence for each signal whose error exceeds its bound. A run that has no errors,
-    although it was not expected to diverge, gets one sentence with all bounds.
+    There is one sentence for each signal whose error exceeds its bound. If a run did not diverge as
+    expected, or has no errors to compare, there is one sentence on its outcome.
 
     Parameters
     ----------

@@ -28,9 +28,9 @@ def with_all_left_in(
 ) -> list[tuple[VariedEngine, Method]]:
     """Return the methods that are also timed with all the passes that they leave out on a scene.
 
-    An engine's methods are grouped by the passes that they leave out. From each group two methods
-    are returned: the first, and the first of the highest order, which reports recommend. Each comes
-    with a variant of its engine that leaves nothing out.
+    An engine's methods are grouped by the passes that they leave out. Of each group the first
+    method is returned, and the first of the highest order, which reports recommend. Each comes with
+    a variant of its engine that leaves nothing out.
 
     Parameters
     ----------

@@ -98,7 +98,7 @@ class Executor(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Free all resources, such as processes; no call may be under way any more."""
+        """Free all resources, such as processes; no call may be under way."""
 
     @abstractmethod
     def alone(self) -> "Executor":

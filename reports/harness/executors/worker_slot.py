@@ -79,7 +79,7 @@ class WorkerSlot:
                 self._worker.kill()
 
     def end(self) -> None:
-        """End the process; no call may be under way any more."""
+        """End the process; this must not be done while a call is under way."""
         with self._changing:
             self._stopped = True
             if self._worker is not None:

@@ -1,4 +1,4 @@
-"""Finds what a scene cannot test: effects that change no signal, and times after the horizon."""
+"""Finds what runs of a scene cannot test: effects without influence, times after the horizon."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -16,7 +16,7 @@ def powerless(scenario: Scenario) -> Iterator[str]:
 
     A change counts if it exceeds twice the uncertainty of the exact motion. Constraints are not
     tested, and neither is an effect if the motion without it cannot be found. There is one more
-    sentence if the exact motion is known only until before the end of the window.
+    sentence if the exact motion is known only in the first part of the window.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Checks of the reference, scene by scene: invariants, a cross-check, published values."""
+"""Checks a scene's exact motion by conserved quantities, a cross-check and published values."""
 
 from collections.abc import Iterator
 
