@@ -52,7 +52,7 @@ class Explanation:
 
     @model_validator(mode="after")
     def _is_known(self) -> "Explanation":
-        """Return the change; raise ValueError unless its kind is known and has this many numbers."""
+        """Return the change; raise ValueError unless kind and number of `numbers` are valid."""
         if self.kind not in KINDS:
             raise ValueError("must be of a known kind")
         if len(self.numbers) != KINDS[self.kind].count:
