@@ -1,4 +1,4 @@
-"""Encodings: other descriptions of the same body and motion; engines must answer them alike."""
+"""Encodings: other descriptions of the same body and motion, from which engines must agree."""
 
 from .changed_scene import SceneChange
 from .encoded_engine import SAME_BODY, EncodedEngine

@@ -1,4 +1,4 @@
-"""The same motion seen from other axes, another origin, and in other units."""
+"""Converts scenes and motions to other axes, another origin of the body, and other units."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -29,18 +29,19 @@ from ...scenarios.scenario import with_tables
 from ...scenarios.start import Start
 from ..checks.read_back import BodyReading, State
 
-#: Signs of the components under the mirror: of vectors, of axial vectors, of quaternions.
+#: Factors of the components when x is mirrored: of polar vectors, axial vectors and quaternions.
 _POLAR, _AXIAL = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 _MIRRORED_Q = np.array([1.0, 1.0, -1.0, -1.0])
 
-#: Effects that a scene may have: all of them for encodings by other axes or units; `OF_BODIES` for
-#: encodings that write the body differently; `OF_ONE_BODY` for those that need a body without
-#: rotors; and `FREE_FALL` for those that need a body that nothing but gravity acts on.
+#: Names of the effects that scenes of an encoding may have. For encodings by other axes or units
+#: these are all effects. `OF_BODIES` is for encodings that write the body differently,
+#: `OF_ONE_BODY` for those that need a body without rotors, and `FREE_FALL` for those that need a
+#: body on which only gravity acts.
 ON_A_TABLE = frozenset(EFFECTS)
 OF_BODIES = ON_A_TABLE - {"table"}
 OF_ONE_BODY = OF_BODIES - {"rotors"}
 FREE_FALL = frozenset({"gravity", "rotors"})
-#: Number of changed bodies kept: a scene is opened from many states.
+#: Number of changed bodies that are kept, as a scene is opened again from many states.
 KEPT = 64
 
 
@@ -52,8 +53,8 @@ class SceneChange:
     ----------
     q_body_new : quaternion that takes components along the new body axes to the old ones
     shift : vector from the old to the new origin of the body, m, along the old body axes
-    length, mass, time : the number of new units in one old unit
-    is_mirrored : whether x is reversed, of world and body
+    length, mass, time : the number of new units in one old unit of length, mass and time
+    is_mirrored : whether the x axes of world and body are reversed
     """
 
     q_body_new: Quaternion = NO_TURN
@@ -64,7 +65,7 @@ class SceneChange:
     is_mirrored: bool = False
 
     def scene(self, scenario: Scenario) -> Scenario:
-        """Return the changed scene, its numbers in extended precision as those of the original."""
+        """Return the changed scene; its body and start are converted in extended precision."""
         with mp.workdps(DIGITS):
             window = scenario.window.model_copy(
                 update={"duration": scenario.window.duration * self.time}
@@ -138,10 +139,12 @@ class SceneChange:
         )
 
     def _number(self, number: Any, unit: Unit) -> float | tuple[float, ...]:
-        """Return a number or vector of an effect, as the scene states it, in new units and axes.
+        """Return a number or vector of an effect in the new units and axes.
 
-        `unit` has the powers of the units of mass, length and time, and the kind and axes of a
-        vector.
+        Parameters
+        ----------
+        number : the number or vector as the scene states it
+        unit : exponents of its units of mass, length and time, and the kind and axes of a vector
         """
         units = (self.mass, unit.mass), (self.length, unit.length), (self.time, unit.time)
         scale = mp.fprod(mpf(one) ** power for one, power in units)
@@ -154,7 +157,10 @@ class SceneChange:
         return tuple(float(part * scale) for part in mirrored)
 
     def state(self, state: State) -> State:
-        """Return a state of the original scene as one of the changed scene, in double precision."""
+        """Return the state of the changed scene that corresponds to one of the original scene.
+
+        It is converted in double precision.
+        """
         q_new = state.q_world_body_wxyz @ times(np.array([float(c) for c in self.q_body_new]))
         omega_new = state.omega_body @ self._R_body_new / self.time
         if self.is_mirrored:
@@ -169,7 +175,7 @@ class SceneChange:
         )
 
     def state_back(self, states: State) -> State:
-        """Return n states of the changed scene, as rows, as states of the original scene."""
+        """Return the n states of the original scene that correspond to n of the changed scene."""
         back = times(np.array([float(c) for c in conjugate(self.q_body_new)]))
         R_body_new = self._R_body_new
         omega_new, q_new = states.omega_body, states.q_world_body_wxyz
@@ -185,7 +191,7 @@ class SceneChange:
         )
 
     def body_back(self, body: BodyReading) -> BodyReading:
-        """Return a body, read in the changed scene, in the axes and units of the original one."""
+        """Return a body of the changed scene in the axes, origin and units of the original."""
         R = self._R_body_new
         sign = self._sign
         com, tensor = body.com * sign / self.length, body.inertia_com * np.outer(sign, sign)
@@ -222,6 +228,6 @@ class SceneChange:
 
 @lru_cache(maxsize=KEPT)
 def _changed(change: SceneChange, body: Body) -> Body:
-    """Return a body of the scene as a change makes it; recent results are kept."""
+    """Return a body in the axes, origin and units of a changed scene; recent results are kept."""
     with mp.workdps(DIGITS):
         return change._body(body)

@@ -1,4 +1,4 @@
-"""An engine that is given scenes in another encoding; its motions are converted back."""
+"""An engine that simulates scenes in another encoding, and whose motions are converted back."""
 
 import inspect
 from collections.abc import Callable, Sequence
@@ -18,18 +18,19 @@ from ..session import Session
 from .changed_scene import SceneChange
 from .table import ENCODINGS, Encoding
 
-#: Ulp within which a body reads back as the same one: its tensor is turned three times at most, 10
-#: ulp each, and diagonalised by Jacobi's rotations, 25 ulp (Golub & Van Loan, §8.5). Measured in
-#: MuJoCo and PyBullet: 16, and 1e5 where PyBullet diagonalises a whole tensor itself.
+#: Largest difference, in ulp, between a scene's body and the same body read back in an encoding.
+#: The tensor is turned at most three times, with errors of 10 ulp each, and diagonalised by
+#: Jacobi's rotations, 25 ulp (Golub & Van Loan, §8.5). In MuJoCo and PyBullet 16 ulp were measured,
+#: but 1e5 where PyBullet diagonalises a full tensor itself.
 SAME_BODY = 64
 
 
 @final
 class EncodedEngine(Engine):
-    """An engine that is given every scene in one encoding, and judged as any other engine.
+    """An engine that is given every scene in one encoding, and is judged like any other engine.
 
-    An example of its name is "mujoco as welded". It has the engine's methods except those as
-    shipped.
+    Its name is, for example, "mujoco as welded". It has all methods of the wrapped engine but those
+    as shipped.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ class EncodedEngine(Engine):
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The files of the engine's adapter, and those that the adapter says results depend on."""
+        """The files of the engine's adapter, and the further files that results depend on."""
         folder = Path(inspect.getfile(type(self.base))).parent
         return (*sorted(folder.glob("*.py")), *self.base.sources)
 
@@ -77,7 +78,13 @@ class EncodedEngine(Engine):
         return self.encoding.why_not(self.base, scenario)
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Open the changed scene in the engine, with its body described as the encoding says."""
+        """Open a scene in the engine, changed and with its body described as the encoding says.
+
+        Parameters
+        ----------
+        scenario : the original scene
+        timestep : in the original scene's time, s
+        """
         change, description = self.encoding.change(scenario), self.encoding.description
         changed, timestep = self.encoding.scene(scenario), timestep * change.time
         if description == PLAIN:
@@ -93,13 +100,13 @@ class EncodedEngine(Engine):
         body: BodyReading,
         state: State,  # noqa: ARG002
     ) -> list[Difference]:
-        """Return the differences of the body from the scene's that exceed `SAME_BODY` ulp.
+        """Return the differences between the engine's body and the scene's above `SAME_BODY` ulp.
 
-        The start is not compared: if it is wrong, the motion shows it.
+        The start is not compared: if it is wrong, the motion is wrong too.
         """
         own, change = scenario.body, self.encoding.change(scenario)
         shift = np.array(change.shift, dtype=float)
-        # The tensor about a point far away is larger, and with it its rounding.
+        # The tensor about a distant origin is larger, and so are its rounding errors.
         far = float(shift @ shift + own.com @ own.com)
         moment = float(own.principal_moments[-1]) + own.mass * far
         sizes = {"mass": own.mass, "com": float(np.sqrt(moment / own.mass))}
@@ -113,13 +120,13 @@ class EncodedEngine(Engine):
 
 @final
 class EncodedSession(Session):
-    """A session of the changed scene, read in the axes and units of the original scene.
+    """A session of a changed scene whose states are those of the original scene.
 
     Parameters
     ----------
     session : the engine's session of the changed scene
     scenario : the original scene
-    change : what was changed
+    change : how the scene was changed
     """
 
     def __init__(self, session: Session, scenario: Scenario, change: SceneChange) -> None:
@@ -144,20 +151,32 @@ class EncodedSession(Session):
         return False
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state of the original scene; the timestep is in that scene's unit."""
+        """Set the body to a state, and set the timestep.
+
+        Parameters
+        ----------
+        state : a state of the original scene
+        timestep : in the original scene's time, s; None leaves it as it is
+        """
         timestep = None if timestep is None else timestep * self._change.time
         self._session.restart(self._change.state(state), timestep)
 
     def advance(self, steps: int) -> None:
-        """Take `steps` whole steps of the changed scene."""
+        """Take a number of steps."""
         self._session.advance(steps)
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
-        """Take strides of steps, and keep the engine's own snapshot after each."""
+        """Take steps in strides, and keep a snapshot of the engine's own session after each stride.
+
+        Parameters
+        ----------
+        strides : number of steps of each stride
+        keep : called with each snapshot
+        """
         self._session.record(strides, keep)
 
     def snapshot(self) -> Any:
-        """Return the engine's own snapshot, which is of the changed scene."""
+        """Return a snapshot of the engine's own session, which is of the changed scene."""
         return self._session.snapshot()
 
     def states(self, snapshots: Sequence[Any]) -> State:

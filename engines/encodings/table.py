@@ -14,11 +14,11 @@ from ..models.description import PLAIN, TURN, Description, away_from
 from ..models.shape import box_sides
 from .changed_scene import FREE_FALL, OF_BODIES, OF_ONE_BODY, ON_A_TABLE, SceneChange
 
-#: Number of changed scenes kept: every method runs them, at several timesteps.
+#: Number of changed scenes that are kept, as every method runs them at several timesteps.
 KEPT = 64
-#: The quaternion by which body axes x, y, z become y, z, x.
+#: Quaternion of the turn after which body axes x, y, z are named y, z, x.
 CYCLE = (mpf("0.5"), mpf("0.5"), mpf("0.5"), mpf("0.5"))
-#: The quaternion of a turn by 161°, after which a tensor's products of inertia are large.
+#: Quaternion of a turn by 161°, after which the products of inertia are large.
 FAR_TURN = normalised((1, 3, 1, 5))
 
 
@@ -29,7 +29,12 @@ def _none(scenario: Scenario) -> SceneChange:  # noqa: ARG001
 
 @lru_cache(maxsize=KEPT)
 def _scene(change: Callable[[Scenario], SceneChange], scenario: Scenario) -> Scenario:
-    """Return a scene after a change, which `change` returns for it; recent results are kept."""
+    """Return the changed scene; recent results are kept.
+
+    Parameters
+    ----------
+    change : function that returns how a scene is changed (`Encoding.change`)
+    """
     return change(scenario).scene(scenario)
 
 
@@ -41,10 +46,10 @@ class Encoding:
     ----------
     name : as users type it
     summary : what it changes, in words
-    change : returns the change of axes, origin and units of a scene
-    description : how the model describes the changed body
+    change : function that returns the change of axes, origin and units of a scene
+    description : how the changed body is written into a model
     effects : names of the effects that a scene may have
-    needs_free : whether the encoding applies to free bodies only
+    needs_free : whether the encoding applies only to scenes with a free body
     """
 
     name: str

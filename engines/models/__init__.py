@@ -1,1 +1,1 @@
-"""A scene as a model file: MJCF and URDF."""
+"""Writes scenes as model files: MJCF and URDF."""

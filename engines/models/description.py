@@ -1,4 +1,4 @@
-"""Other ways to write a scene's body into a model, all of which mean the same body."""
+"""The ways in which the same body can be written into a model."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -18,12 +18,12 @@ from ...scenarios.exact import (
 )
 from ...scenarios.principal import principal_axes
 
-#: A rotation of a frame about none of its axes; of norm 1 to the last digit.
+#: Quaternion of a turn about none of the frame's axes; its norm is exactly 1.
 TURN: Quaternion = (mpf("0.8"), mpf("0.2"), mpf("0.4"), mpf("-0.4"))
-#: Place of frames that are off the body's frame, in units of the body's largest radius of gyration:
-#: a body with one of 7 cm has such frames 0.38 m away.
+#: Position of a frame far from the body's frame, in units of the body's largest radius of gyration:
+#: it is 0.38 m away if that radius is 7 cm.
 AWAY = (mpf("4.2"), mpf("-2.8"), mpf("2.1"))
-#: Gravity, m/s², that acts in the model and is compensated by forces.
+#: Gravity, m/s², of a model in which the engine compensates it by a force.
 COMPENSATED = (0.0, 0.0, -9.81)
 
 Parts = Literal["one", "welded", "nested", "halves", "thirds"]
@@ -32,20 +32,21 @@ Joint = Literal["own", "aligned", "slides and ball", "hinges"]
 
 @dataclass(frozen=True)
 class Description:
-    """How a body is written into a model, where that differs from the scene's own way.
+    """How a body is written into a model.
 
     Attributes
     ----------
-    parts : "one" body; "welded", an empty body with the whole mass on a second body welded to it;
-        "nested", the same with an empty body between them, shifted and turned; or "halves" and
-        "thirds", two or three bodies that share the mass, the others welded to the first
-    full_tensor : whether the tensor is written whole, not along its principal axes
-    shape : whether the model has a box of the body's inertia and states no inertia itself
-    joint : what the body moves by: the engine's "own" joint for the scene; "aligned", a free joint
-        along the inertial frame, which the model has shifted and turned against the body's frame;
-        "slides and ball", three slides and a ball joint in place of a free joint; or "hinges",
-        three hinges in place of a ball joint
-    compensated : whether gravity acts although the scene has none, and is compensated
+    parts : "one" body; "welded", a massless body with the whole mass on a second body welded to it;
+        "nested", the same with a third, massless body between them, shifted and turned; "halves"
+        or "thirds", two or three bodies that share the mass, the others welded to the first
+    full_tensor : whether the tensor is written along the body's axes, with products of inertia, and
+        not as principal moments
+    shape : whether the model states no inertia, but has a box from which the engine computes it
+    joint : the joint on which the body moves: "own", the engine's usual one for the scene;
+        "aligned", a free joint in the inertial frame, which is shifted and turned relative to the
+        frame of the model's body; "slides and ball", three slides and a ball joint in place of a
+        free joint; "hinges", three hinges in place of a ball joint
+    compensated : whether the model has gravity although the scene has none, and compensates it
     urdf : whether the model is URDF, for an engine that has another language of its own
     """
 
@@ -79,12 +80,13 @@ PLAIN = Description()
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A body of a model, welded to another body.
+    """One of the bodies that a scene's body is written as; they are welded together.
 
     Attributes
     ----------
     onto : index of the part that it is welded to; None for the first part
-    position, q : pose of the part's frame in the frame of the part that it is welded to, m, w x y z
+    position : origin of the part's frame in the frame of the part that it is welded to, m
+    q : rotation of the part's frame relative to that frame, a quaternion w x y z
     body : mass, com and tensor in the part's own frame; None if the part has no mass
     """
 
@@ -95,10 +97,10 @@ class Part:
 
 
 def parts_of(body: Body, parts: Parts) -> tuple[Part, ...]:
-    """Return the parts that a body is written as; the frame of the first is the body's own.
+    """Return the parts as which a body is written; the frame of the first is the body's own.
 
-    Parts that share the mass lie on the axis of the least moment, along which the mass reaches
-    furthest: so each part gets a tensor that is physically possible.
+    Parts that share the mass lie on the principal axis of the least moment, along which the body is
+    longest. So the tensor of each part is physically possible.
     """
     with mp.workdps(DIGITS):
         if parts == "one":
@@ -117,7 +119,10 @@ def parts_of(body: Body, parts: Parts) -> tuple[Part, ...]:
 
 
 def away_from(body: Body) -> Vector:
-    """Return a point far from the body's origin, m, body axes, in proportion to the body's size."""
+    """Return a point far from the body's origin, m, along body axes.
+
+    Its distance is in proportion to the body's largest radius of gyration.
+    """
     with mp.workdps(DIGITS):
         reach = mp.sqrt(max(principal_axes(body.inertia_com_exact)[0]) / body.mass_exact)
         x, y, z = (part * reach for part in AWAY)
@@ -125,9 +130,10 @@ def away_from(body: Body) -> Vector:
 
 
 def _shared(body: Body, count: int) -> tuple[Part, ...]:
-    """Return `count` parts of equal mass, in a row along the axis of the least moment.
+    """Return `count` parts of equal mass, in a row along the principal axis of the least moment.
 
-    Their places account for half of Σ m x² along that axis, their own tensors for the rest.
+    Of the body's Σ m x² along that axis, half is due to the places of the parts, and half to their
+    own tensors.
     """
     axis, spread = _longest(body)
     squares = sum((2 * k - count + 1) ** 2 for k in range(count))
@@ -141,7 +147,7 @@ def _shared(body: Body, count: int) -> tuple[Part, ...]:
         for i in range(3)
     ]
     first, second, third = ((row[0], row[1], row[2]) for row in rows)
-    # Turned by no turn, which makes it symmetric to the last digit.
+    # Turning by the identity makes the tensor exactly symmetric.
     left = turned_tensor((first, second, third), NO_TURN)
     parts = []
     for k in range(count):
@@ -157,7 +163,10 @@ def _shared(body: Body, count: int) -> tuple[Part, ...]:
 
 
 def _longest(body: Body) -> tuple[Vector, mpf]:
-    """Return the axis of the least moment, body axes, and the body's Σ m x² along it, kg m²."""
+    """Return the axis of the least principal moment, and the body's Σ m x², kg m².
+
+    The axis is a unit vector, body axes, and x is the coordinate along it from the com.
+    """
     moments, R_body_axes = principal_axes(body.inertia_com_exact)
     least = min(range(3), key=lambda k: moments[k])
     x, y, z = (row[least] for row in R_body_axes)

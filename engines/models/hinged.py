@@ -1,4 +1,4 @@
-"""Converts attitude and ω to angles and rates of three hinges, about z, y and x, and back."""
+"""Converts attitude and ω to angles and rates of hinges about z, y and x in series, and back."""
 
 from collections.abc import Sequence
 
@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from ...scenarios import FloatArray
 
-#: Number of components of a quaternion, and of the angles that replace it.
+#: Number of components of a quaternion, and number of the angles that replace it.
 QUATERNION, ANGLES = 4, 3
 
 
@@ -16,9 +16,18 @@ def hinged(
 ) -> tuple[FloatArray, FloatArray]:
     """Return coordinates and velocities of a body on three hinges, given those on a ball joint.
 
-    The given coordinates end with a quaternion w, x, y, z, and the given velocities with ω, rad/s,
-    body axes. They are replaced by angles, rad, and rates, rad/s, of the hinges about z, y and x:
-    R = Rz(a) Ry(b) Rx(c) and ω = M (ȧ, ḃ, ċ), where M depends on the angles (Diebel 2006, §5.6.12).
+    The quaternion is replaced by angles a, b, c, rad, of the hinges about z, y and x, and ω by
+    their rates, rad/s: R = Rz(a) Ry(b) Rx(c) and ω = M (ȧ, ḃ, ċ), where M depends on the angles
+    (Diebel 2006, §5.6.12).
+
+    Parameters
+    ----------
+    qpos : coordinates that end with a quaternion w, x, y, z, (n + 4,)
+    qvel : velocities that end with ω, rad/s, body axes, (n + 3,)
+
+    Returns
+    -------
+    The coordinates and the velocities, each with three numbers at the end, (n + 3,)
     """
     place, q = np.split(np.asarray(qpos, dtype=float), [-QUATERNION])
     speed, omega_body = np.split(np.asarray(qvel, dtype=float), [-ANGLES])
@@ -28,11 +37,19 @@ def hinged(
 
 
 def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return n rows of coordinates and velocities with quaternions and ω: the inverse of `hinged`.
+    """Return coordinates and velocities on a ball joint, given those on three hinges.
+
+    This is the inverse of `hinged`, for n states at once.
 
     Parameters
     ----------
-    qpos, qvel : n rows that end with the angles, rad, and rates, rad/s, of hinges about z, y and x
+    qpos : n rows of coordinates that end with the angles of hinges about z, y and x, rad
+    qvel : n rows of velocities that end with the rates of these hinges, rad/s
+
+    Returns
+    -------
+    n rows of coordinates that end with a quaternion w, x, y, z, and n rows of velocities that end
+    with ω, rad/s, body axes
     """
     angles = qpos[:, -ANGLES:]
     q = Rotation.from_euler("ZYX", angles).as_quat(scalar_first=True)
@@ -41,9 +58,11 @@ def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def _omega_of_rates(angles: FloatArray) -> FloatArray:
-    """Return the matrices from rates of the hinges to ω in body axes, (n, 3, 3).
+    """Return the matrices that take rates of the hinges to ω in body axes, (n, 3, 3).
 
-    The angles about z, y and x are the rows of `angles`, rad, (n, 3).
+    Parameters
+    ----------
+    angles : angles of the hinges about z, y and x, rad, (n, 3)
     """
     _, b, c = angles.T
     zero, one = np.zeros_like(b), np.ones_like(b)

@@ -1,6 +1,6 @@
 """Writes a scene as a complete MJCF, which any MuJoCo program loads; its keyframe 0 is the start.
 
-The file holds the effects the scene calls for and nothing else. What MuJoCo would compute by
+The file has the effects that the scene calls for and nothing else. What MuJoCo would compute by
 default for contacts, constraints, sensors and the like is switched off.
 """
 
@@ -37,11 +37,11 @@ START_KEY = "start"
 BODY_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NO_FORCE = (0.0, 0.0, 0.0)
 
-#: Number of scenes whose start is kept: computing it in extended precision takes long.
+#: Number of scenes whose start is kept, as computing it in extended precision takes long.
 RECENT = 64
 
-#: Flags that are on in MuJoCo by default and that no scene needs. The remaining ones (filterparent,
-#: nativeccd, multiccd) choose how contacts are found, if there are any.
+#: MuJoCo's flags that are on by default and that no scene needs. Not listed are filterparent,
+#: nativeccd and multiccd, which only choose how contacts are found.
 NEVER_CALLED_FOR = (
     "constraint",
     "equality",
@@ -71,10 +71,10 @@ def mjcf(
     Parameters
     ----------
     timestep : s
-    integrator : as MuJoCo spells it; None for its default
-    left_in : names, among those in `switched_off`, of passes that stay on as by default, although
-        the scene does not need them
-    description : how the body is written
+    integrator : MuJoCo's name of the integrator; None for MuJoCo's default
+    left_in : names of passes that stay on although the scene does not need them; others returned by
+        `switched_off` are switched off
+    description : how the body is written into the model
     """
     root = ET.Element("mujoco", model=scenario.name)
     option = ET.SubElement(
@@ -105,7 +105,7 @@ def switched_off(scenario: Scenario) -> tuple[str, ...]:
     needed = {
         "gravity": "gravity" in effects,
         "damper": joint_damping,
-        # With implicit joint damping MuJoCo's Euler simulates a damper.
+        # By default MuJoCo's Euler integrates the damping of joints implicitly.
         "eulerdamp": joint_damping,
         "actuation": any(True for _ in _actuators(scenario)),
     }
@@ -114,12 +114,12 @@ def switched_off(scenario: Scenario) -> tuple[str, ...]:
 
 @lru_cache(maxsize=RECENT)
 def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
-    """Return qpos and qvel at t = 0, in SI units, for a body on a free joint or a ball joint.
+    """Return MuJoCo's qpos and qvel at t = 0, in SI units, for a free joint or a ball joint.
 
-    qpos has the attitude, w x y z, and qvel has ω in body axes. For a free body they are preceded
-    by the position and velocity of the body frame's origin, not of the com, in world axes (MuJoCo
-    documentation, "Floating objects"), and for a body on a table by the position and velocity of
-    its tip along the slides. Angles and spins of rotors that turn come last.
+    qpos has the attitude, w x y z, and qvel has ω in body axes. Before them, a free body has the
+    position and velocity of its origin, not of the com, in world axes (MuJoCo documentation,
+    "Floating objects"); a body on a table has the position and velocity of its tip along the slides
+    instead. Angles and spins of the rotors that turn come last.
     """
     start, constraint, rotors = scenario.start, scenario.constraint, scenario.rotors
     q, omega_body, lever = start.q_exact, start.omega_body_exact, constraint.lever_exact
@@ -165,19 +165,20 @@ def _add_body(world: ET.Element, scenario: Scenario, description: Description) -
 
 
 def armature(rotor: Rotor) -> float:
-    """Return the inertia of a hinge's drive, kg m²; 0 if the hinge is not driven.
+    """Return the inertia of the drive of a rotor's hinge, kg m²; 0 if the hinge is not driven.
 
-    It is so large that the rotor's spin does not change.
+    It is so large that the rotor's spin does not change noticeably.
     """
     return DRIVE * float(rotor.along) if rotor.hinge == "driven" else 0.0
 
 
 def _add_inertia(element: ET.Element, body: Body, description: Description = PLAIN) -> None:
-    """Add a body's inertia to an element, as numbers or as a box of uniform density."""
+    """Add a body's inertia to an element, as `inertial` or as a box of uniform density."""
     frame = principal_frame(body)
     pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
     if description.joint == "aligned":
-        # For such a body the body axes are the principal ones: MuJoCo moves its frame there.
+        # The scene's body axes are principal axes here. The inertial frame is put elsewhere in the
+        # element, and by `align` MuJoCo moves the element's frame to it.
         pos, quat = decimals(away_from(body)), decimals(TURN)
     if description.shape:
         sides = box_sides(body.mass, frame.moments)
@@ -198,14 +199,20 @@ def _add_inertia(element: ET.Element, body: Body, description: Description = PLA
 
 
 def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
-    """Add the joints that the body moves by, of the kind that a description names.
+    """Add the joints on which the body moves.
 
-    A held body is on a ball joint, or three hinges, at the held point; slides along the axes that
-    are not held come before it.
+    A free body has a free joint, unless `kind` asks for other joints. Otherwise there are slides
+    along the axes along which the body may move, and then a ball joint, or three hinges, at the
+    held point.
+
+    Parameters
+    ----------
+    element : the body's element
+    kind : the kind of joint (`Description.joint`)
     """
     constraint, point = scenario.constraint, scenario.body.com - scenario.constraint.lever
     if constraint.is_free and kind in ("own", "aligned"):
-        # A free joint aligned with the inertial frame would have qpos and qvel along other axes.
+        # If MuJoCo aligns the joint with the inertial frame, qpos and qvel are along its axes.
         align = "true" if kind == "aligned" else "false"
         ET.SubElement(element, "freejoint", name=JOINT, align=align)
         return
@@ -227,12 +234,10 @@ def _add_joints(element: ET.Element, scenario: Scenario, kind: Joint) -> None:
 
 
 def _actuators(scenario: Scenario) -> Iterator[ET.Element]:
-    """Yield an actuator for each torque that joint damping cannot give.
+    """Yield actuators for the torques that joint damping cannot exert.
 
-    These are the constant torques, and the drag of a free body.
-
-    A free joint's damping would slow its translation too, so drag is three servos, one for each
-    body axis.
+    These are the constant torques, and the drag on a free body. Damping of its free joint would
+    slow the translation too, so that there are three actuators instead, one for each body axis.
     """
     effects = scenario.called_for
     if "torque_body" in effects:
@@ -252,11 +257,18 @@ def _actuator(
     constant: float = 0.0,
     per_velocity: float = 0.0,
 ) -> ET.Element:
-    """Return an actuator with the torque (constant + per_velocity · ω·axis) along `axis`.
+    """Return an actuator that exerts the torque (constant + per_velocity · ω·axis) along `axis`.
 
     It does not depend on control signals.
+
+    Parameters
+    ----------
+    transmission : MuJoCo's name of the transmission, which tells the axes that `axis` refers to
+    axis : vector along the torque; its length multiplies the torque
+    constant : N m
+    per_velocity : N m s
     """
-    # The gear of a free joint begins with a force.
+    # The first three numbers of a free joint's gear are those of a force.
     is_free = scenario.constraint.is_free
     gear = f"{decimals(NO_FORCE)} {decimals(axis)}" if is_free else decimals(axis)
     return ET.Element(

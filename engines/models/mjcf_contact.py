@@ -1,4 +1,4 @@
-"""Writes a table as a contact in MJCF: a free body with a sphere, on a plane, without friction."""
+"""Writes a table as a contact in MJCF: a sphere on the body touches a plane without friction."""
 
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -9,15 +9,15 @@ from ...scenarios import Scenario
 from ...scenarios.scenario import with_tables
 from .text import decimals, xml_text
 
-#: Radius of the sphere that replaces a tip that is a point, as a share of the distance from tip to
-#: com. The plane is lowered by this radius, so that the tip keeps its height.
+#: Radius of the sphere that replaces a tip that is a point, as a fraction of the distance from tip
+#: to com. The plane is lowered by this radius, so that the tip keeps its height.
 SHARE_OF_LEVER = 0.25
-#: Height by which the plane is raised, relative to the sum of its height, the radii and the lever,
-#: so that rounding never leaves the start off it.
+#: Height by which the plane is raised, so that in spite of rounding the sphere touches it at the
+#: start; relative to the sum of the plane's height, both radii and the distance from tip to com.
 TOUCHING = 1e-12
 #: MuJoCo's names of the passes that a contact needs.
 PASSES = frozenset({"constraint", "contact"})
-#: Attributes of both shapes: a contact without friction has one direction.
+#: Attributes of sphere and plane: a contact without friction has only a normal force.
 FRICTIONLESS = {"condim": "1", "friction": "0 0 0"}
 
 
@@ -28,7 +28,7 @@ def off_its_table(scenario: Scenario) -> Scenario:
 
 
 def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
-    """Return the radius of the sphere that the body has at its tip, and the plane's height, m."""
+    """Return the radius, m, of the sphere about the body's tip, and the height of the plane, m."""
     table, lever = scenario.effects.table, float(np.linalg.norm(scenario.constraint.lever))
     assert table is not None
     radius = table.radius or SHARE_OF_LEVER * lever or 1.0
@@ -37,13 +37,14 @@ def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
 
 
 def with_contact(text: str, scenario: Scenario) -> str:
-    """Return the MJCF of a free body with a sphere on the body and a plane under it added.
+    """Return an MJCF with a sphere added to the body, and a plane under it.
 
     The time constant and damping ratio of their contact (`solref`) are MuJoCo's defaults.
 
     Parameters
     ----------
-    text : MJCF of the scene without its table, with every pass on
+    text : MJCF of the scene without its table, in which the passes of `PASSES` are on
+    scenario : the scene with its table
     """
     table, (radius, height) = scenario.effects.table, sphere_and_plane(scenario)
     assert table is not None

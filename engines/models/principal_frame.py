@@ -1,4 +1,4 @@
-"""The principal frame of a body, independent of any engine's eigensolver."""
+"""Computes the principal frame of a body, independently of any engine's eigensolver."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from ...scenarios.exact import DIGITS, Quaternion, Tensor, Vector, product, rota
 from ...scenarios.float_array import read_only
 from ...scenarios.principal import IDENTITY, principal_axes
 
-#: Number of bodies whose frame is kept: every run of a scene needs it.
+#: Number of bodies whose frame is kept, as every run of a scene needs it.
 KEPT = 64
-#: If the cosine of the pitch is below this, roll and yaw turn about one axis, and only their sum or
+#: Cosine of the pitch below which roll and yaw turn about the same axis, so that only their sum or
 #: difference is defined. Its exponent is half the number of working digits.
 GIMBAL_LOCK = mpf(10) ** (-DIGITS // 2)
 
@@ -24,9 +24,11 @@ class PrincipalFrame:
 
     Attributes
     ----------
-    moments : kg m², along the frame's x, y and z, (3,)
-    q_body_axes_wxyz : takes components along the principal axes to body components, (4,)
-    rpy_body_axes : the same rotation as URDF writes it, R = Rz(yaw) Ry(pitch) Rx(roll), rad, (3,)
+    moments : principal moments about x, y and z of the principal frame, kg m², (3,)
+    q_body_axes_wxyz : quaternion that takes components along the principal axes to those along body
+        axes, (4,)
+    rpy_body_axes : the same rotation as roll, pitch and yaw of URDF, rad, (3,):
+        R = Rz(yaw) Ry(pitch) Rx(roll)
     """
 
     moments: FloatArray
@@ -36,13 +38,14 @@ class PrincipalFrame:
 
 @lru_cache(maxsize=KEPT)
 def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
-    """Return the principal frame about the com, as model files need it.
+    """Return the principal frame of a body about its com, with moments that engines accept.
+
+    Engines refuse a flat body if rounding makes its largest moment exceed the sum of the others. So
+    the largest moment is reduced if it exceeds (1 − `thickness`) times the sum of the others.
 
     Parameters
     ----------
-    thickness : the least relative amount by which the largest moment stays below the sum of the
-        others. At 0 the doubles just obey the triangle inequality; readers refuse a flat body whose
-        largest moment exceeds the sum of the others by an ulp.
+    thickness : relative margin of the triangle inequality, 0 or more
     """
     moments, R_body_axes = principal_axes(body.inertia_com_exact)
     with mp.workdps(DIGITS):
@@ -55,7 +58,7 @@ def principal_frame(body: Body, thickness: float = 0.0) -> PrincipalFrame:
 
 
 def roll_pitch_yaw_of(q: Quaternion) -> FloatArray:
-    """Return a rotation as URDF writes it, roll, pitch and yaw, rad, (3,)."""
+    """Return roll, pitch and yaw of a rotation, rad, (3,), as URDF defines them."""
     with mp.workdps(DIGITS):
         columns = [rotate(q, axis) for axis in IDENTITY]
         first, second, third = zip(*columns, strict=True)
@@ -63,9 +66,12 @@ def roll_pitch_yaw_of(q: Quaternion) -> FloatArray:
 
 
 def _within_triangle(moments: Iterable[mpf], thickness: float) -> list[float]:
-    """Return moments as doubles, the largest reduced to obey the triangle inequality.
+    """Return three moments as doubles; the largest is reduced to obey the triangle inequality.
 
-    `thickness` is the relative margin, as in `principal_frame`.
+    Parameters
+    ----------
+    moments : three principal moments, kg m²
+    thickness : relative margin (`principal_frame`)
     """
     rounded = [float(moment) for moment in moments]
     largest = rounded.index(max(rounded))
@@ -87,7 +93,7 @@ def _roll_pitch_yaw(R: Tensor) -> Vector:
 
 
 def _quaternion(rpy: Vector) -> Quaternion:
-    """Return the quaternion, w x y z, of roll, pitch and yaw, rad, as in `_roll_pitch_yaw`."""
+    """Return the quaternion, w x y z, of the rotation with given roll, pitch and yaw, rad."""
     (cr, cp, cy), (sr, sp, sy) = ([f(angle / 2) for angle in rpy] for f in (mp.cos, mp.sin))
     zero = mpf(0)
     return product(product((cy, zero, zero, sy), (cp, zero, sp, zero)), (cr, sr, zero, zero))

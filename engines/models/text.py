@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 
 def decimals(values: Iterable[float]) -> str:
-    """Return numbers as text, separated by spaces, in the fewest digits that read back exactly."""
+    """Return numbers as text, separated by spaces; each has the fewest digits that are exact."""
     return " ".join(repr(float(value)) for value in values)
 
 

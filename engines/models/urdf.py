@@ -1,4 +1,4 @@
-"""A scene's body as URDF: what PyBullet loads, and a second way into MuJoCo.
+"""Writes a scene's body as URDF: for PyBullet, and for MuJoCo as another encoding.
 
 URDF describes bodies and joints only. Gravity, other effects, the timestep and the start are set by
 the adapters that load it.
@@ -22,20 +22,20 @@ from .text import decimals, xml_text
 
 #: Name of the body's link; its frame is the scene's body frame.
 BODY_LINK = "top"
-#: The link name that both readers take for the fixed world.
+#: The name of a link that engines take for the fixed world.
 WORLD_LINK = "world"
 PIVOT_JOINT = "pivot"
-#: Mass of a link without mass, which must be stated: readers take links that state none for 1 kg.
+#: Mass and moments of a massless link. They must be stated: engines take a missing mass for 1 kg.
 WEIGHTLESS = "0"
-#: Limits of a slide, which URDF demands: with the lower above the upper one PyBullet has none.
+#: Limits of a slide, which URDF requires: PyBullet takes a lower limit above the upper for none.
 UNLIMITED = {"lower": "1", "upper": "-1", "effort": "0", "velocity": "0"}
-#: Names of the entries of a tensor.
+#: URDF's names of the entries of a tensor.
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-#: Number of documents kept, because a scene's document is the same at every timestep.
+#: Number of documents that are kept, as a scene's document is the same at every timestep.
 KEPT = 16
-#: Place, m, and rotation, rad, of a joint at the origin of its link.
+#: Position, m, or roll, pitch and yaw, rad, of a frame that is that of its parent.
 NOWHERE = (0.0, 0.0, 0.0)
-#: A ball joint has no axis, but readers warn if none is given.
+#: Axis that is stated for ball and fixed joints, as engines warn if there is none.
 ANY_AXIS = (0.0, 0.0, 1.0)
 
 
@@ -50,23 +50,23 @@ def urdf(
 ) -> str:
     """Return the scene's body, with the joints that hold it, as a URDF document.
 
-    A pivoted body hangs by a ``spherical`` joint at its own origin on a fixed link at the world's
-    origin; on a table it hangs by one at its tip on massless links that slide. A link's frame is at
-    its joint, so a held body's frame is at the held point. A free body is the only link. (PyBullet
-    would turn a ``floating`` joint into a fixed one; MuJoCo welds a single link to the world unless
-    it is given a free joint.)
+    A body on a pivot is connected to a fixed link, the world, by a ``spherical`` joint at its
+    origin. A body on a table has such a joint at its tip, with massless links that slide between
+    it and the world. A link's frame is at its joint, so that the frame of a held body is at the
+    held point. A free body is the only link. (PyBullet would turn a ``floating`` joint into a fixed
+    one; MuJoCo welds a single link to the world unless it is given a free joint.)
 
     The tensor is written as principal moments in a turned inertial frame: PyBullet diagonalises
     a full tensor itself, and only to 1e-10.
 
     Parameters
     ----------
-    thickness : relative amount by which the largest moment stays below the sum of the others, for
-        a reader that refuses an entirely flat body (see `principal_frame`)
+    thickness : relative margin by which the largest moment stays below the sum of the others, for
+        engines that refuse an entirely flat body (see `principal_frame`)
     sphere : centre, m, from the body's origin, body axes, and radius, m, of a collision sphere;
         None for no sphere
     has_box : whether to add a collision box: the uniform box with the body's tensor
-    description : how the body is written: its parts, and whether tensors are whole
+    description : how the body is written; only `parts` and `full_tensor` matter here
     is_loose : whether even a held body is the only link, because the adapter holds it in another
         way
     """
@@ -98,17 +98,17 @@ def urdf(
 
 
 def _from(origin: Vector, place: Iterable[mpf]) -> Vector:
-    """Return the vector from an origin to a place, both m from the same point."""
+    """Return the vector from `origin` to `place`, m; both are given from the same point."""
     with mp.workdps(DIGITS):
         x, y, z = (of - at for of, at in zip(place, origin, strict=True))
     return (x, y, z)
 
 
 def _add_slides(robot: ET.Element, scenario: Scenario) -> str:
-    """Add a fixed link for the world, and massless links that slide on it; return the last's name.
+    """Add a fixed link for the world, and massless links that slide; return the last link's name.
 
-    There is one sliding link for each axis along which the held point may move; for a pivot the
-    name is that of the fixed link.
+    There is one sliding link for each axis along which the held point may move, each on the one
+    before. For a pivot there is none, and the name is that of the fixed link.
     """
     ET.SubElement(robot, "link", name=WORLD_LINK)
     onto = WORLD_LINK
@@ -131,13 +131,13 @@ def _add_rotor(
     thickness: float,
     has_box: bool,
 ) -> None:
-    """Add a link whose frame is at the rotor's centre of mass, and its hinge.
+    """Add a rotor as a link whose frame is at the rotor's com, and add its hinge.
 
     Parameters
     ----------
     number : number of the rotor, from 1
     place : the rotor's com in the frame of the body's link, m
-    thickness, has_box : as in `urdf`
+    thickness, has_box : see `urdf`
     """
     name, body = f"rotor{number}", replace(rotor.body, com_exact=ZERO)
     _add_link(robot, name, body, thickness)
@@ -151,13 +151,13 @@ def _add_rotor(
 def _add_link(
     robot: ET.Element, name: str, body: Body | None, thickness: float, *, whole: bool = False
 ) -> None:
-    """Add a link with the inertia of a body; without `inertial` if `body` is None.
+    """Add a link with the inertia of a body.
 
     Parameters
     ----------
-    thickness : relative amount by which the largest moment stays below the sum of the others; not
-        for a tensor that is written whole
-    whole : whether the tensor is written along the body's axes, with products of inertia; if not,
+    body : mass, com and tensor of the link; if None, the link states no inertia
+    thickness : relative margin of the triangle inequality (see `urdf`); unused if `whole`
+    whole : whether the tensor is written along the link's axes, with products of inertia; if not,
         the principal moments are written, and the inertial frame is turned
     """
     link = ET.SubElement(robot, "link", name=name)
@@ -177,9 +177,11 @@ def _add_link(
 
 
 def _add_box(robot: ET.Element, body: Body, thickness: float) -> None:
-    """Add to the last link a collision shape, the uniform box with a body's tensor.
+    """Add the uniform box with a body's tensor to the last link, as a collision shape.
 
-    `thickness` is that of `urdf`.
+    Parameters
+    ----------
+    thickness : see `urdf`
     """
     frame = principal_frame(body, thickness)
     sides = box_sides(body.mass, frame.moments)
@@ -193,9 +195,14 @@ def _add_shape(
     shape: str,
     **sizes: Iterable[float],
 ) -> None:
-    """Add a collision shape to the last link; `center` is in m, `rpy` in rad.
+    """Add a collision shape to the last link.
 
-    `shape` is the tag of the shape in URDF, and `sizes` are the attributes of this tag, m.
+    Parameters
+    ----------
+    center : centre of the shape in the link's frame, m
+    rpy : roll, pitch and yaw of the shape in the link's frame, rad
+    shape : the shape's tag in URDF
+    sizes : attributes of this tag, m
     """
     collision = ET.SubElement(robot.findall("link")[-1], "collision")
     ET.SubElement(collision, "origin", xyz=decimals(center), rpy=decimals(rpy))
@@ -212,10 +219,15 @@ def _add_joint(
     axis: Iterable[float] = ANY_AXIS,
     rpy: Iterable[float] = NOWHERE,
 ) -> None:
-    """Add a joint between two links, parent and child; `place` is in m, `rpy` in rad.
+    """Add a joint between two links.
 
-    `kind` is URDF's type of joint; `place` and `rpy` are those of the child's frame in the
-    parent's, and `axis` has components along the axes of the child's frame.
+    Parameters
+    ----------
+    kind : URDF's type of joint
+    links : names of the parent and the child
+    place : origin of the child's frame in the parent's frame, m
+    axis : axis of the joint, along the axes of the child's frame
+    rpy : roll, pitch and yaw of the child's frame in the parent's frame, rad
     """
     joint = ET.SubElement(robot, "joint", name=name, type=kind)
     ET.SubElement(joint, "parent", link=links[0])

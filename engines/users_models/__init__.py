@@ -1,4 +1,4 @@
-"""Users' models (URDF, MJCF, USD): what a file states of its links, and what engines hold."""
+"""Users' models (URDF, MJCF, USD): the links that a file states, and the bodies engines make."""
 
 from .compare import AGREES, BodyDifference, cause, compared, difference, unstated_body
 from .edit import elements_of, set_attributes, write_inertia

@@ -1,4 +1,4 @@
-"""Compares an engine's body with the one that a model file states: size and cause in words."""
+"""Compares an engine's body with the one that a model file states, and tells why they differ."""
 
 from dataclasses import dataclass
 
@@ -10,12 +10,12 @@ from ..checks.read_back import BodyReading
 from .file_problems import FileProblem, problems_of_parts
 from .model_file import RigidBody, Stated, principal_moments
 
-#: Relative tolerance within which an engine's body is the file's. Some engines diagonalise tensors
-#: with errors of 1e-12 to 1e-6: with a tolerance of 1e-12 a third of all links would be wrong.
+#: Largest relative difference of bodies that count as equal. Some engines diagonalise tensors with
+#: errors of 1e-12 to 1e-6: with a tolerance of 1e-12 a third of all links would count as wrong.
 AGREES = 1e-5
-#: Half turns about each axis, since principal axes have no sign.
+#: The identity and the half turns about each axis: they only change signs of principal axes.
 _SIGNS = [np.diag(signs) for signs in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))]
-#: Ratios this close to 1 are printed as a percentage.
+#: Largest distance of a ratio from 1 with which the difference is printed as a percentage.
 NEAR_ONE = 0.1
 
 
@@ -29,8 +29,8 @@ class BodyDifference:
     com : distance of the coms, relative to the radius of gyration or |com| of the file's body,
         whichever is larger
     inertia : norm of the difference of the tensors about the com, relative to the file's tensor
-    axes_deg : the smallest rotation from the file's principal axes to the engine's, degrees; where
-        equal moments leave axes undetermined, they are chosen as in `angle_between_axes`
+    axes_deg : the smallest rotation from the file's principal axes to the engine's, degrees; axes
+        that equal moments leave undetermined are not compared (`angle_between_axes`)
     """
 
     mass: float
@@ -40,14 +40,18 @@ class BodyDifference:
 
     @property
     def worst(self) -> float:
-        """The largest of the differences that are judged: of mass, com and inertia."""
+        """The largest of the relative differences: of mass, com and inertia."""
         return max(self.mass, self.com, self.inertia)
 
 
 def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
     """Return the difference between an engine's body and the one that a file states.
 
-    A quantity that the file states as zero differs by 0 or infinity.
+    If the file states zero for a quantity, the difference is 0 or infinite.
+
+    Parameters
+    ----------
+    stated, got : the body that the file states, and the engine's
     """
     inertia = stated.inertia_com
     gyration = np.sqrt(abs(np.trace(inertia)) / (2 * abs(stated.mass))) if stated.mass else 0.0
@@ -63,7 +67,7 @@ def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
 
 
 def _relative(value: float, size: float) -> float:
-    """Return a value relative to a size; if that is zero, 0 for a value of zero, else inf."""
+    """Return a value divided by a size; if the size is zero, 0 for a value of zero, else inf."""
     if size:
         return value / size
     return 0.0 if value == 0 else float("inf")
@@ -72,8 +76,13 @@ def _relative(value: float, size: float) -> float:
 def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
     """Return the smallest rotation that takes the principal axes of one tensor to the other's, rad.
 
-    Axes are paired by the order of their moments. Where two moments of either tensor are equal, the
-    choice of their axes is free in both; 0 is returned if this leaves no axis determined.
+    Axes are paired by the order of their moments. Where two moments of either tensor are equal,
+    their axes may be chosen freely, and only the third axis is compared; 0 is returned if no axis
+    is left.
+
+    Parameters
+    ----------
+    one, other : tensors, (3, 3), each symmetric
     """
     (moments, axes), (other_moments, other_axes) = np.linalg.eigh(one), np.linalg.eigh(other)
     free = _equal_pairs(moments) | _equal_pairs(other_moments)
@@ -92,7 +101,10 @@ def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
 
 
 def _equal_pairs(moments: FloatArray) -> set[int]:
-    """Return which of the pairs (0, 1) and (1, 2) of ascending moments are equal."""
+    """Return which neighbours of three ascending moments are equal.
+
+    The set contains 0 if the lower two are equal, and 1 if the upper two are.
+    """
     gaps = np.diff(moments)
     return {k for k in (0, 1) if gaps[k] <= AGREES * np.abs(moments).max()}
 
@@ -102,13 +114,15 @@ def compared(
 ) -> tuple[BodyDifference, str, str]:
     """Return how far an engine's body is from the file's, and why, in a word and in a sentence.
 
-    The word and the sentence are those of `cause`, and empty if the bodies agree.
-
     Parameters
     ----------
     stated, got : the body that the file states, and the engine's
     body : the links of the file that the engine holds as this body
-    made_up : the source of tensors that the engine does not take from the file; else empty
+    made_up : where the engine's tensors come from, in words; empty if from the file
+
+    Returns
+    -------
+    The difference, and the word and the sentence of `cause`, which are empty if the bodies agree
     """
     apart = difference(stated, got)
     if apart.worst <= AGREES:
@@ -118,7 +132,7 @@ def compared(
 
 
 def unstated_body(body: BodyReading) -> str:
-    """Return words for an engine's body of which the file states no mass and no tensor."""
+    """Return a sentence on an engine's body for which the file states no mass and no tensor."""
     return (
         f"held as {body.mass:.3g} kg, {_moments(body.inertia_com)} kg m²: the file states nothing"
     )
@@ -142,8 +156,8 @@ def cause(
     ----------
     stated, body : the body that the file states, and the engine's
     apart : how far they are from each other
-    problems : faults of the numbers that the file states of the body's links
-    made_up : the source of tensors that the engine does not take from the file; else empty
+    problems : faults of the numbers that the file states for the body's links
+    made_up : where the engine's tensors come from, in words; empty if from the file
     """
     kind = "other"
     causes = []
@@ -167,7 +181,9 @@ def _of_tensor(
 ) -> tuple[str, str]:
     """Return why an engine's tensor is not the file's, in a word and a sentence; see `cause`.
 
-    `got` is the engine's tensor about the com, kg m², (3, 3).
+    Parameters
+    ----------
+    got : the engine's tensor about the com, kg m², (3, 3)
     """
     tensor = stated.inertia_com
     size = _size(tensor, got, apart)
@@ -189,9 +205,9 @@ def _of_tensor(
 
 
 def _why(problems: tuple[FileProblem, ...]) -> str:
-    """Return words for the first impossible number of the file; empty if there is none.
+    """Return words for the first fault that makes a body impossible; empty if there is none.
 
-    The rule comes before the number, as in ": no body has it, 0.3 + 0.1 < 0.9".
+    The rule comes before the numbers, for example ": no body has it, 0.3 + 0.1 < 0.9".
     """
     for problem in problems:
         if problem.impossible:

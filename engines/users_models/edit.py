@@ -1,4 +1,4 @@
-"""Edits a model file: the inertia of its links is written, and every other byte stays as it is."""
+"""Edits a model file: writes the inertia of its links, and leaves every other byte as it is."""
 
 import re
 from collections.abc import Mapping
@@ -15,19 +15,21 @@ _ATTRIBUTE = re.compile(rb"""\s+([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
 def elements_of(model: ModelFile) -> dict[Span, Element]:
-    """Return the elements of a model's own file, without those of included files, by span."""
+    """Return the elements of a model's own file by span; those of included files are left out."""
     root, _ = parse_xml(model.data, str(model.path))
     return {element.span: element for element in root.walk()}
 
 
 def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark: str = "") -> Edits:
-    """Return the edits after which a link states a given body, its tensor along the link's axes.
+    """Return the edits of a file that make a link state a given body.
+
+    The tensor is written along the link's axes.
 
     Parameters
     ----------
     element : the element of the link
     body : mass, com and tensor that the link shall state
-    remark : text of a comment before the link's inertial; no comment if empty
+    remark : text of an XML comment before the link's inertial; no comment if empty
     """
     comment = f"<!-- {remark} -->".encode() if remark else b""
     inertials = inertials_of(element)
@@ -46,7 +48,7 @@ def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark:
 
 
 def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
-    """Return the edits of an `<inertial>` of a URDF after which it states a body."""
+    """Return the edits of a URDF that make an `<inertial>` state a given body."""
     mass, tensor = inertial.only("mass"), inertial.only("inertia")
     assert mass is not None, "the file was read"
     assert tensor is not None, "the file was read"
@@ -66,9 +68,13 @@ def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
 
 
 def inertial_line(body: BodyReading, form: str = "urdf") -> str:
-    """Return the `<inertial>` of a body: the tensor along the link's axes, without a rotation.
+    """Return an `<inertial>` that states a body, with its tensor along the link's axes.
 
-    Every reader reads it alike. `form` is "urdf" or "mjcf".
+    Without a rotation every engine reads it alike.
+
+    Parameters
+    ----------
+    form : format of the file, "urdf" or "mjcf"
     """
     if form == "mjcf":
         inside = " ".join(f'{key}="{value}"' for key, value in _of_mjcf(body).items())
@@ -92,7 +98,7 @@ def _of_mjcf(body: BodyReading) -> dict[str, str]:
 
 
 def _entries(body: BodyReading) -> dict[str, float]:
-    """Return the entries of the tensor about the com, kg m², by their axes, in MJCF's order."""
+    """Return the entries of the tensor about the com, kg m², in MJCF's order, by names as "xy"."""
     tensor = body.inertia_com
     order = ("xx", "yy", "zz", "xy", "xz", "yz")
     return {axes: float(tensor["xyz".index(axes[0]), "xyz".index(axes[1])]) for axes in order}
@@ -105,8 +111,8 @@ def set_attributes(
 
     Parameters
     ----------
-    changes : new values by the names of the attributes, which are added if the element lacks them
-        and written without escaping; None removes an attribute
+    changes : new values, by the names of the attributes. An attribute that the element lacks is
+        added; None removes an attribute. Values are written without escaping
     """
     start, end = element.span[0], tag_end(data, element.span[0])
     left = dict(changes)
@@ -126,7 +132,7 @@ def set_attributes(
 
 
 def _inside(data: bytes, element: Element, new: bytes) -> tuple[Span, bytes]:
-    """Return the edit that inserts the XML `new` as the first child of an element."""
+    """Return the edit that inserts an XML element, `new`, as the first child of an element."""
     start, end = element.span[0], tag_end(data, element.span[0])
     tag = data[start:end]
     if tag.endswith(b"/>"):

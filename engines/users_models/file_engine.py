@@ -1,4 +1,4 @@
-"""How engines read users' files, and an engine that simulates a link out of such a file."""
+"""Interfaces of engines that read users' model files, or simulate a link of such a file."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -12,21 +12,21 @@ from .compare import AGREES, compared
 from .model_file import Format, ModelFile, Stated
 from .read import users_link
 
-#: Names of a body's numbers in `read_back.differences`.
+#: Names of the differences that concern the body, as `read_back.differences` returns them.
 OF_BODY = frozenset({"mass", "com", "inertia_com"})
 
 
 @dataclass(frozen=True)
 class Advice:
-    """What users can do about a difference, in an engine's own terms.
+    """What users can do about a wrong body or a refused file, in an engine's own terms.
 
     Attributes
     ----------
     text : the advice as a sentence
-    line : XML that the advice puts into the file; empty if it is about something else
+    line : XML to be put into the file; empty if the advice is to do something else
     is_mended : whether newer versions of the engine no longer need the advice
-    concerns : for a refused file, which links the advice is about: those with an "impossible" mass
-        or tensor, or "massless" ones, which move and state no mass or no tensor; else empty
+    concerns : for a refused file, the links that the advice is about: "impossible" if their mass or
+        tensor is, "massless" if they move and lack a mass or a tensor. Empty for a wrong body
     """
 
     text: str
@@ -43,8 +43,8 @@ class Configuration:
     ----------
     name : as users type and read it
     summary : what is set, in one line
-    made_up : the source of the tensors if the engine does not take them from the file; else empty
-    advice : what helps in this engine against a difference, by the difference's word (see
+    made_up : where the tensors come from, in words; empty if the engine takes them from the file
+    advice : what helps in this engine against a wrong body, by the word for its cause (see
         `compare.cause`), besides advice for all engines
     """
 
@@ -62,10 +62,10 @@ class ModelReader(ABC):
     name : as users type it
     formats : the formats of files that it reads
     configurations : the ways in which users let it read a file
-    refusals : advice that makes the engine accept a file that it has refused. A key is a text that
-        occurs in the engine's message; its value has one piece of advice for each kind of link
-        that may have caused the refusal (`Advice.concerns`)
-    is_optional : whether it reads files only if the user names it
+    refusals : advice on how a refused file can be changed so that the engine accepts it. A key is a
+        text that occurs in the engine's message. Its value has one piece of advice for each kind of
+        link that may have caused the refusal (`Advice.concerns`)
+    is_optional : whether the engine reads files only if the user names it
     """
 
     name: ClassVar[str]
@@ -83,8 +83,11 @@ class ModelReader(ABC):
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
         """Return the bodies that the engine has after it has read the file, by the links' names.
 
-        A link that was fused with another has no body of its own and is left out. `configuration`
-        is the name of one of `configurations`.
+        A link that the engine has fused with another has no body of its own and is left out.
+
+        Parameters
+        ----------
+        configuration : the name of one of `configurations`
 
         Raises
         ------
@@ -101,8 +104,8 @@ class FileEngine(Engine):
 
     Attributes
     ----------
-    reader : how the engine reads whole files; where a configuration reads files as a method of the
-        engine does, it has the method's name
+    reader : the engine's reader of whole files. If one of its configurations reads files as a
+        method of the engine does, it has the method's name
     """
 
     interface = 1
@@ -118,7 +121,7 @@ class FileEngine(Engine):
     def applies_to(self, scenario: Scenario) -> bool:
         """Whether a scene names a link of a file in a format that the engine reads.
 
-        It is true of a file that cannot be read, too, so that the run is made and fails.
+        It is also true if the file cannot be read, so that the run is made and fails.
         """
         if scenario.document.body.model is None:
             return False
@@ -130,16 +133,17 @@ class FileEngine(Engine):
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """Return the differences of a loaded link, with its start, from the scene.
+        """Return the differences of the engine's body and start from the scene's.
 
-        Those of mass, com and inertia are joined in one, worded as the command `inspect` does it.
+        Differences of mass, com and inertia are joined into one, in the words of the command
+        `inspect`.
         """
         differing = super().differences(scenario, method, body, state)
         others = [one for one in differing if one.what not in OF_BODY]
         if len(others) == len(differing):
             return differing
-        # The body is compared with the scene's numbers; the file is needed for the numbers without
-        # rotation.
+        # The body is compared with the scene's numbers; the file is needed only for the tensor
+        # before the rotation of its frame.
         users, numbers = users_link(scenario), scenario.body
         unturned = users.stated.unturned
         stated = Stated(numbers.mass, numbers.com, numbers.inertia_com, unturned=unturned)
@@ -151,7 +155,12 @@ class FileEngine(Engine):
 
 @dataclass(frozen=True, eq=False)
 class _OtherBody(Difference):
-    """An engine's body that differs from the body that the file states; `why` has the cause."""
+    """A difference between an engine's body and the body that the file states.
+
+    Attributes
+    ----------
+    why : how and why they differ, in words
+    """
 
     why: str
 

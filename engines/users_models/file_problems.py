@@ -1,4 +1,4 @@
-"""Faults of a model file itself: tensors that no body can have, and doubtful numbers."""
+"""Finds faults in the numbers of a model file: those that no body can have, and doubtful ones."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,16 +8,15 @@ import numpy as np
 from ...scenarios import FloatArray
 from .model_file import Link, RigidBody, Stated, principal_moments
 
-#: Kinds of problems that no body can have; "placeholder", "radius of gyration" and "density" are
-#: only doubtful.
+#: Kinds of faults that no body can have. Of the other kinds, "placeholder", "radius of gyration"
+#: and "density", numbers are only doubtful.
 IMPOSSIBLE = frozenset(
     ("negative mass", "zero mass", "zero tensor", "not positive definite", "triangle inequality")
 )
 #: Relative rounding error of the eigenvalues of a tensor.
 ROUNDING = 16 * float(np.finfo(float).eps)
-#: Factor by which the shapes are enlarged before a link's mass must fit into them. Shapes are made
-#: for looks and for speed, so that mass may lie a little outside; a doubtful tensor is rarely off
-#: by so little.
+#: Factor by which shapes are enlarged before a link's mass must fit into them: shapes are made for
+#: looks and for speed, so that some mass may lie outside. Doubtful tensors are mostly off by more.
 SHAPE_SLACK = 1.1
 #: Density of osmium, the densest element, kg/m³ (CRC Handbook of Chemistry and Physics, 97th ed.,
 #: §4).
@@ -26,7 +25,13 @@ DENSEST = 22590.0
 
 @dataclass(frozen=True, eq=False)
 class FileProblem:
-    """One fault of a link in a file: its kind in a word or two, and a text with the numbers."""
+    """One fault of the numbers that a file states for a link.
+
+    Attributes
+    ----------
+    kind : the kind of fault, in a few words
+    text : the fault with its numbers, in words
+    """
 
     kind: str
     text: str
@@ -38,9 +43,9 @@ class FileProblem:
 
 
 def problems(link: Link) -> tuple[FileProblem, ...]:
-    """Return the faults of the mass and tensor that a link states.
+    """Return the faults of the mass and tensor that a file states for a link.
 
-    These are numbers that no body can have; if there are none, numbers that are doubtful.
+    Doubtful numbers are looked for only if none are impossible.
     """
     stated = link.stated
     if stated is None:
@@ -57,7 +62,7 @@ def problems_of_parts(body: RigidBody) -> tuple[tuple[Link, FileProblem], ...]:
 
 
 def _of_mass(stated: Stated) -> Iterator[tuple[str, str]]:
-    """Yield kind and text of each fault of a mass, or of a mass without a tensor."""
+    """Yield kind and text of a fault: negative mass, tensor without mass, mass without tensor."""
     if stated.mass < 0:
         yield "negative mass", f"a mass of {stated.mass:g} kg"
     elif stated.mass == 0 and stated.inertia_com.any():
@@ -79,13 +84,12 @@ def _of_tensor(stated: Stated) -> Iterator[tuple[str, str]]:
     elif large - small - middle > rounding:
         yield "triangle inequality", f"{_digits(small, middle, large)}: no body has it"
     elif small <= rounding:
-        # A rod: its largest two moments are equal, and nothing says how fast it turns about its
-        # axis.
+        # A rod without thickness, whose angular velocity about its own axis is undetermined.
         yield "not positive definite", f"a principal moment is {small:.3g} kg m²"
 
 
 def _digits(small: float, middle: float, large: float) -> str:
-    """Return three moments as the text "a + b < c", in the fewest digits that still obey it."""
+    """Return three moments as "a + b < c", with the fewest digits for which this is still true."""
     for digits in range(2, 18):
         a, b, c = (f"{moment:.{digits}g}" for moment in (small, middle, large))
         if float(a) + float(b) < float(c):
@@ -96,7 +100,7 @@ def _digits(small: float, middle: float, large: float) -> str:
 def _placeholder(stated: Stated) -> Iterator[tuple[str, str]]:
     """Yield kind and text of a fault if the tensor is a placeholder.
 
-    A placeholder is a power of ten times the identity, before the rotation of its own frame.
+    A placeholder is a power of ten times the identity.
     """
     moment = float(stated.unturned[0, 0])
     exponent = round(np.log10(moment)) if moment > 0 else 0
@@ -105,18 +109,18 @@ def _placeholder(stated: Stated) -> Iterator[tuple[str, str]]:
 
 
 def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
-    """Yield the faults of a link's numbers that follow if all its mass lies within its shapes.
+    """Yield kind and text of each fault of a link's numbers, if its mass must fit its shapes.
 
-    The variance of a mass within a width w is at most (w/2)² (T. Popoviciu 1935); along x it is
-    (Iyy + Izz − Ixx) / 2m. And a mass that fills the box around the shapes is no denser than the
-    densest element; for a flat shape, whose box has no volume, the density is not known.
+    The variance of a mass distribution of width w is at most (w/2)² (T. Popoviciu 1935); along x
+    it is (Iyy + Izz − Ixx) / 2m. The mass is at most that of the box around the shapes if this were
+    of the densest element. The mass is not tested if the box is flat.
     """
     box = shapes_box(link)
     if box is None:
         return
     extent = box[1] - box[0]
     diagonal = np.diag(stated.inertia_com)
-    # For next to no mass the radius of gyration is infinite.
+    # For a tiny mass the radius of gyration may overflow to infinity.
     with np.errstate(over="ignore"):
         spread = np.sqrt((diagonal.sum() / 2 - diagonal) / stated.mass)
     most = SHAPE_SLACK * extent / 2
@@ -139,7 +143,7 @@ def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
 def shapes_box(link: Link) -> FloatArray | None:
     """Return the lowest and the highest corner of the box around a link's shapes, m, (2, 3).
 
-    It is None if the link has no shapes, or one whose size is not known.
+    It is None if the link has no shapes, or if the size of one is not known.
     """
     boxes = [shape.box for shape in link.shapes]
     known = [box for box in boxes if box is not None]

@@ -1,4 +1,4 @@
-"""Writes a model file, and the files that it may name, into a folder for engines to read."""
+"""Writes a model file, and the files that it names, into a folder from which engines read it."""
 
 from collections.abc import Collection, Iterable
 from pathlib import Path
@@ -16,12 +16,12 @@ def laid_out(
     endings: Collection[str] = MESHES,
     links: Iterable[Link] | None = None,
 ) -> str:
-    """Write a model into a folder, with the files that engines may compute an inertia from.
+    """Write a model into a folder, with the files from which engines may compute an inertia.
 
     Parameters
     ----------
-    endings : file endings of the meshes of a URDF that the engine reads
-    links : links of a URDF whose meshes are written; by default those that state no inertia
+    endings : file endings of those meshes of a URDF that the engine reads
+    links : links of a URDF whose meshes are written; if None, those that state no inertia
 
     Returns
     -------

@@ -1,7 +1,7 @@
-"""Reads what an MJCF file states: `body/inertial`, after includes, frames and replicates.
+"""Reads the bodies of an MJCF file, with includes, frames and replicates, and their inertials.
 
-`mujoco.MjSpec` is not used, because MuJoCo's reading is what is checked; a file may also crash it,
-and it does not keep the elements' places in the file.
+`mujoco.MjSpec` is not used, for three reasons: MuJoCo's own reading is what is checked, a file may
+crash it, and it does not keep the elements' places in the file.
 """
 
 from collections.abc import Callable
@@ -15,30 +15,37 @@ from .mjcf_files import CheckedFiles
 from .model_file import Link, Pose, Stated
 from .xml_tree import Element, shown
 
-#: Largest number of bodies, more than any robot has; `replicate` can ask for any number.
+#: Largest number of bodies, as `replicate` could ask for any number. No robot has so many.
 MAX_BODIES = 10_000
-#: Elements that generate bodies.
+#: Tags of elements that generate bodies, which are not read.
 MAKERS = ("attach", "composite", "flexcomp", "flex")
 ZEROS = (0.0, 0.0, 0.0)
-#: Options of the compiler by which MuJoCo holds other bodies than a file states, and what they do.
+#: Options of MuJoCo's compiler that make its bodies differ from the file's, and what they do.
 CHANGING = {
     "boundmass": "raises smaller masses",
     "boundinertia": "raises smaller moments of inertia",
     "balanceinertia": "replaces the moments of tensors that no body has by their mean",
     "settotalmass": "scales all masses and tensors",
 }
-#: Least angle, rad, between the two axes of `xyaxes`: with a smaller one, rounding decides.
+#: Least angle between the two axes of `xyaxes`, rad: with a smaller one, rounding would decide.
 LEAST_ANGLE = 1e-9
 
 
 def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tuple[str, ...]]:
-    """Return the bodies of a model, in the file's order, and sentences on what was not read.
+    """Return the bodies of a model, in the file's order, and notes.
+
+    The notes are sentences on what was not read, and on options by which MuJoCo changes bodies.
+
+    Parameters
+    ----------
+    root : the element `mujoco`; `files` inserts included files into it
+    files : checks the files that the model names
 
     Raises
     ------
     ModelFileError
-        If there are no bodies or too many, a value is missing, is not a number or is stated twice,
-        or `files` refuses a file or the number of elements.
+        If there are no bodies or too many, if a value is missing, is not a number or is stated
+        twice, or if `files` refuses a file or the number of elements.
     """
     files.check(root)
     reader = _Reader(root.file, _compiler(root), notes=changing_options(root))
@@ -50,7 +57,7 @@ def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tup
 
 
 def changing_options(root: Element) -> list[str]:
-    """Return a sentence on each option by which MuJoCo holds other bodies than a file states.
+    """Return a sentence on each option that makes MuJoCo's bodies differ from the file's.
 
     Parameters
     ----------
@@ -66,7 +73,7 @@ def changing_options(root: Element) -> list[str]:
 
 
 def _is_set(element: Element, key: str) -> bool:
-    """Whether an option of the compiler, true or false or a number, is true or above 0."""
+    """Whether an option of the compiler is on: its value is `true`, or a number above 0."""
     value = element.attributes.get(key, "false")
     return value == "true" or (value != "false" and element.numbers(key, 1)[0] > 0)
 
@@ -78,7 +85,8 @@ class Compiler:
     Attributes
     ----------
     degrees : whether angles are in degrees
-    eulerseq : the axes of Euler angles; small letters turn with the frame
+    eulerseq : the axes of the three Euler angles in order; small letters are axes of the frame that
+        is being turned, capital letters axes of the parent frame
     from_shapes : whether inertia is computed from shapes even where the file states it
     """
 
@@ -88,7 +96,7 @@ class Compiler:
 
 
 def _compiler(root: Element) -> Compiler:
-    """Return the compiler's settings in a file; raise `ModelFileError` for a bad one."""
+    """Return the compiler's settings in a file; raise `ModelFileError` if `eulerseq` is invalid."""
     settings: dict[str, str] = {}
     for element in root.all("compiler"):
         settings |= element.attributes
@@ -108,9 +116,10 @@ class _Reader:
 
     Attributes
     ----------
-    file : name of the model's own file, as elements have it
-    unnamed : number of bodies so far without a name
-    links : the bodies that were read
+    file : name of the model's own file, as `Element.file` has it
+    compiler : the settings by which numbers are read
+    unnamed : number of bodies without a name so far
+    links : the bodies that were read so far
     notes : sentences on what was not read
     """
 
@@ -125,7 +134,8 @@ class _Reader:
 
         Parameters
         ----------
-        parent : name of the body that they are attached to; empty for the world
+        element : the element; it has bodies, frames or replicates as children
+        parent : name of the body to which these bodies are attached; empty for the world
         frame : pose of the element's frame in the parent's frame
         """
         for child in element.children:
@@ -139,7 +149,7 @@ class _Reader:
                 self.notes.append(f"{child.where}: bodies that <{child.tag}> makes are not read")
 
     def _body(self, element: Element, parent: str, frame: Pose) -> None:
-        """Read one body and the bodies inside it; parameters as in `read`."""
+        """Read one body and the bodies inside it; see `read` for the parameters."""
         if len(self.links) == MAX_BODIES:
             element.refuse(f"more than {MAX_BODIES} bodies")
         name = element.attributes.get("name", "")
@@ -165,15 +175,15 @@ class _Reader:
                 span=element.span if element.file == self.file else (0, 0),
             )
         )
-        # Only now, as messages show what the file has.
+        # The name is set only now, as messages show the element as it is in the file.
         element.attributes["name"] = name
         self.read(element, name, Pose())
 
     def _replicate(self, element: Element, parent: str, frame: Pose) -> None:
-        """Read the bodies inside a `replicate`, as often as its count, with their new names.
+        """Read the bodies inside a `replicate`, and add as many copies as its count says.
 
-        All copies have the pose of the first: the offsets between them are not computed. Parameters
-        are those of `read`.
+        The copies have names of their own, but the pose of the original: the offsets between them
+        are not computed. See `read` for the parameters.
         """
         (count,) = element.numbers("count", 1)
         before, separator = len(self.links), element.attributes.get("sep", "")
@@ -194,7 +204,7 @@ class _Reader:
 
 
 def inertials_of(body: Element) -> list[tuple[Element, tuple[Element, ...]]]:
-    """Return each `inertial` of a body with the frames that it is in, from the outside in."""
+    """Return each `inertial` of a body, with the frames that contain it, from the outermost on."""
     found: list[tuple[Element, tuple[Element, ...]]] = [(one, ()) for one in body.all("inertial")]
     for frame in body.all("frame"):
         found += [(one, (frame, *inner)) for one, inner in inertials_of(frame)]
@@ -202,7 +212,7 @@ def inertials_of(body: Element) -> list[tuple[Element, tuple[Element, ...]]]:
 
 
 def _has_shapes(element: Element) -> bool:
-    """Whether an element has a `geom` as a child, or inside its frames and replicates."""
+    """Whether an element has a `geom`, as a child or inside of frames and replicates."""
     return any(
         child.tag == "geom" or (child.tag in ("frame", "replicate") and _has_shapes(child))
         for child in element.children
@@ -212,11 +222,11 @@ def _has_shapes(element: Element) -> bool:
 def _stated(inertial: Element, frames: tuple[Element, ...], compiler: Compiler) -> Stated:
     """Return mass, com and tensor that an `inertial` states, in the body's frame.
 
-    It raises `ModelFileError` if a number is missing or is none.
+    It raises `ModelFileError` if a number is missing or invalid.
 
     Parameters
     ----------
-    frames : the frames that it is in, from the outside in
+    frames : the frames that contain the `inertial`, from the outermost on
     """
     pose = Pose()
     for element in (*frames, inertial):
@@ -237,11 +247,11 @@ def _pose(element: Element, compiler: Compiler) -> Pose:
 
 
 def _rotation(element: Element, compiler: Compiler) -> FloatArray:
-    """Return the rotation matrix that an element states in one of five ways, (3, 3).
+    """Return the rotation matrix that an element states, (3, 3); by default the identity.
 
-    They are listed in MuJoCo's XML reference, *Frame orientations*. It is the identity if the
-    element states no rotation. `ModelFileError` is raised if it states two, a vector of zero, or
-    two axes along one line.
+    There are five ways to state it (`WAYS`; MuJoCo's XML reference, *Frame orientations*).
+    `ModelFileError` is raised if an element states two of them, a vector of zero, or two parallel
+    axes.
     """
     ways = [key for key in WAYS if key in element.attributes]
     if len(ways) > 1:
@@ -279,10 +289,10 @@ def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
 
 
 def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
-    """Return the rotation of three Euler angles, in degrees if the compiler says so, else in rad.
+    """Return the rotation by three Euler angles about the axes of `Compiler.eulerseq`.
 
-    They are about the axes of `Compiler.eulerseq`, one after the other. A small letter is an axis
-    of the frame as the rotations before have turned it, a capital one an axis of the parent frame.
+    The angles are in degrees if the compiler says so, else in rad. A small letter is an axis of the
+    frame as the earlier rotations have turned it, a capital letter an axis of the parent frame.
     """
     total = Rotation.identity()
     for letter, angle in zip(compiler.eulerseq, values, strict=True):
@@ -292,9 +302,9 @@ def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
 
 
 def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
-    """Return the rotation that takes x along the first of two vectors, and y into their plane.
+    """Return the rotation that takes x to the first of two vectors, and y into their plane.
 
-    The second vector is on the side of y.
+    The angle between y and the second vector is less than 90°.
     """
     x, y = _unit(values[:3]), _unit(values[3:])
     across = y - (y @ x) * x
@@ -305,15 +315,15 @@ def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
 
 
 def _by_z(values: FloatArray, _: Compiler) -> Rotation:
-    """Return the smallest rotation that takes z to a vector; about x if the vector is −z."""
+    """Return the smallest rotation that takes z to a vector; if that is −z, it is about x."""
     x, y, z = _unit(values)
     sine = np.hypot(x, y)
     axis = np.array([-y / sine, x / sine, 0.0]) if sine else np.array([1.0, 0.0, 0.0])
     return Rotation.from_rotvec(axis * np.arctan2(sine, z))
 
 
-#: For each attribute that states a rotation, how many numbers it has, and the function that
-#: converts them to the rotation.
+#: The attributes that state a rotation, each with how many numbers it has and the function that
+#: converts these to the rotation.
 WAYS: dict[str, tuple[int, Callable[[FloatArray, Compiler], Rotation]]] = {
     "quat": (4, _by_quat),
     "axisangle": (4, _by_axis_angle),

@@ -10,42 +10,48 @@ from pathlib import Path, PurePath
 from .model_file import Folders
 from .xml_tree import MAX_DEPTH, MAX_ELEMENTS, Element, read_xml, shown
 
-#: Largest number of a model's included files, and of attached models.
+#: Largest number of files that a model includes, and of models that are attached.
 MAX_INCLUDES, MAX_MODELS = 256, 64
-#: Elements whose files MuJoCo reads even if all shapes are removed.
+#: Tags of elements whose files MuJoCo reads even if all shapes are removed.
 READ = ("hfield", "flexcomp")
-#: Attributes with folders that the names of files are relative to.
+#: Attributes of <compiler> that name the folders to which file names are relative.
 PLACES = ("meshdir", "assetdir", "texturedir")
-#: Largest number of elements that MuJoCo may generate for all elements with a count, and the tags
-#: of elements with a count. MuJoCo's time grows as the square of the number.
+#: Largest number of elements that MuJoCo may generate from a model, in time that grows as the
+#: square of this number; and the tags of elements that are generated as often as their count says.
 MAX_MADE = 4096
 COUNTED = ("replicate", "composite", "flexcomp")
-#: Largest number in <size>: of keyframes, user data.
+#: Largest number of keyframes, or of user data, that <size> may state.
 MAX_SIZE = 10_000
-#: File name for an element whose file may not be read; no file has this name.
+#: File name that is written for a file that may not be read; no file has this name.
 NO_FILE = "none"
 
 
 class CheckedFiles:
-    """Checks a model and the models that it attaches: inserts included files, finds named files.
+    """Checks a model and the models that it attaches: inserts included files, renames other files.
 
     Attributes
     ----------
-    files : paths of the files, or texts of attached models, by the names that replace the files'
-        own names in the checked text
+    files : what the new file names in the checked text stand for, by new name: the path of a file,
+        or the text of an attached model
     """
 
     def __init__(self, folders: Folders) -> None:
         self._folders = folders
-        # Attached models by their file: the new name of the file, and the number of elements that
-        # the model expands to; None while the model is being read.
+        # By the file of each attached model, the new name of the file and the number of elements
+        # that the model expands to; None while the model is being read.
         self._models: dict[Path, tuple[str, int] | None] = {}
         self.files: dict[str, str | Path] = {}
 
     def check(self, root: Element) -> int:
-        """Check a model, replace the names of the files that it names; return a number of elements.
+        """Check a model, insert included files, and write new names for the files that it names.
 
-        These are the elements that MuJoCo generates from the model, besides those in the file.
+        Parameters
+        ----------
+        root : the model's outermost element, which is changed in place
+
+        Returns
+        -------
+        The number of elements that MuJoCo generates from the model, besides those in the file
 
         Raises
         ------
@@ -59,10 +65,10 @@ class CheckedFiles:
         return _made(root, attached)
 
     def _include(self, root: Element) -> None:
-        """Replace each `include` inside an element by the contents of the file that it names.
+        """Replace each `include` in a model by the contents of the file that it names.
 
-        It raises `ModelFileError` if a file cannot be included, or the elements are too many or too
-        deep.
+        It raises `ModelFileError` if a file cannot be included, or if there are then too many
+        elements, or too deeply nested ones.
         """
         included: set[Path] = set()
         left, count = [(root, 1)], 0
@@ -81,7 +87,10 @@ class CheckedFiles:
             left += [(child, depth + 1) for child in element.children]
 
     def _contents(self, element: Element, included: set[Path]) -> list[Element]:
-        """Return the elements of the file that an `include` names; any other element, alone.
+        """Return the elements that replace an element.
+
+        For an `include` these are the elements of the file that it names; any other element stays
+        as it is.
 
         Parameters
         ----------
@@ -90,7 +99,7 @@ class CheckedFiles:
         Raises
         ------
         ModelFileError
-            If the file is not found, was included before, or is one too many.
+            If the file is not found, was included before, or exceeds `MAX_INCLUDES`.
         """
         if element.tag != "include":
             return [element]
@@ -102,7 +111,7 @@ class CheckedFiles:
         return read_xml(path)[1].children
 
     def _found(self, element: Element, name: str, places: Iterable[str]) -> Path:
-        """Return the file that an element names: the first of several paths that exists.
+        """Return the path of the file that an element names: the first of `places` that exists.
 
         Parameters
         ----------
@@ -119,7 +128,9 @@ class CheckedFiles:
         return path
 
     def _name_files(self, root: Element) -> dict[str, int]:
-        """Replace the file names in a model's elements; no file on disk is renamed.
+        """Replace the file names in a model's elements by new ones.
+
+        Files that MuJoCo may read are added to `files`; no file on disk is renamed.
 
         Returns
         -------
@@ -152,7 +163,7 @@ class CheckedFiles:
         return attached
 
     def _model(self, element: Element, path: Path) -> tuple[str, int]:
-        """Check an attached model; return its new name and the number of its elements."""
+        """Check an attached model; return its new file name and how many elements it expands to."""
         if path not in self._models and len(self._models) < MAX_MODELS:
             name = f"model-{len(self._models)}.xml"
             self._models[path] = None
@@ -169,11 +180,13 @@ class CheckedFiles:
 
 
 def _made(root: Element, attached: dict[str, int]) -> int:
-    """Return the number of elements that MuJoCo generates; refuse more than `MAX_MADE`.
+    """Return the number of elements that MuJoCo generates from a model.
+
+    It raises `ModelFileError` if these are more than `MAX_MADE`.
 
     Parameters
     ----------
-    root : the model, whose elements with a count or `attach` generate others
+    root : the model, in which elements with a count, and `attach`, generate others
     attached : the number of elements that each attached model expands to, by name
     """
     made = 0
@@ -199,6 +212,6 @@ def _check_sizes(root: Element) -> None:
     """Raise `ModelFileError` if `<size>` states too large a number of keyframes or user data."""
     for size in root.all("size"):
         for key, text in size.attributes.items():
-            # The other sizes are of motions, which are not computed here.
+            # The other sizes matter only for motions, and none are computed here.
             if key.startswith(("nkey", "nuser")) and size.numbers(key, 1)[0] > MAX_SIZE:
                 size.refuse(f"'{key}' of <size> must be at most {MAX_SIZE}, got {shown(text)}")

@@ -1,4 +1,4 @@
-"""A model as its file states it: links with their mass, centre of mass and inertia."""
+"""The contents of a model file: links with the mass, com and tensor that the file states."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,7 +13,8 @@ from ..checks.read_back import BodyReading, composed
 Format = Literal["urdf", "mjcf", "usd"]
 #: Span of an element in a file: indices of its first byte and of the byte after its last.
 Span = tuple[int, int]
-#: Name of a URDF link that engines take for the world: links fixed to it do not belong to it.
+#: Name of a URDF link that engines take for the fixed world; links fixed to it are bodies of their
+#: own.
 WORLD = "world"
 
 
@@ -21,24 +22,35 @@ WORLD = "world"
 class Pose:
     """The pose of an inner frame in an outer frame.
 
-    A point p_inner of the inner frame is at `position + R @ p_inner` in the outer frame, m.
+    A point with coordinates p in the inner frame has `position + R @ p` in the outer frame.
+
+    Attributes
+    ----------
+    position : origin of the inner frame in the outer frame, m, (3,)
+    R : matrix that takes components along the inner frame's axes to the outer's, (3, 3)
     """
 
     position: FloatArray = field(default_factory=lambda: np.zeros(3))
     R: FloatArray = field(default_factory=lambda: np.eye(3))
 
     def then(self, inner: "Pose") -> "Pose":
-        """Return the pose, in the outer frame, of a frame that has the pose `inner` in this one."""
+        """Return the pose in the outer frame of a third frame.
+
+        Parameters
+        ----------
+        inner : pose of the third frame in the inner frame of this pose
+        """
         return Pose(self.position + self.R @ inner.position, self.R @ inner.R)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Stated(BodyReading):
-    """What a file states about a link, in the link's frame; it need not be physically possible.
+    """Mass, com and tensor that a file states for a link; they may be physically impossible.
 
     Attributes
     ----------
-    unturned : the tensor if the rotation of its own frame (`rpy`, `quat`) were left out, kg m²
+    unturned : the tensor before it is turned by the rotation of the inertial frame (`rpy`, `quat`),
+        kg m², (3, 3)
     """
 
     unturned: FloatArray
@@ -51,13 +63,14 @@ class Stated(BodyReading):
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """A shape of a URDF link: its bounding box in the link's frame, m, or a mesh.
+    """A shape of a URDF link.
 
     Attributes
     ----------
-    box : lowest and highest corner, (2, 3); None for a mesh, and for an unknown kind of shape
+    box : lowest and highest corner of the box around the shape, in the link's frame, m, (2, 3);
+        None for a mesh, and for an unknown kind of shape
     span : span of the shape's element in the file
-    mesh : the file that a mesh names; None for another shape
+    mesh : name of the mesh's file, as the model states it; None if the shape is no mesh
     collides : whether it is a collision shape; else it is only drawn
     """
 
@@ -68,7 +81,7 @@ class Shape:
 
     @property
     def ending(self) -> str:
-        """The file ending of a mesh, in small letters; empty for another shape."""
+        """The file ending of the mesh, in small letters; empty if the shape is no mesh."""
         return Path(self.mesh or "").suffix.lower()
 
 
@@ -78,15 +91,16 @@ class Link:
 
     Attributes
     ----------
-    where : file and line of the link
-    stated : mass, com and tensor that the file states; None if it has no `inertial` for the link
+    where : name of the file, and the line at which the link begins, or its path in a USD file
+    stated : mass, com and tensor that the file states; None if it does not state them
     parent : name of the link that this one is attached to; empty for a root
     pose : pose of the link's frame in the parent's frame
     moves : whether a joint lets the link move relative to its parent
     by_shapes : whether engines compute the link's inertia from its shapes, which is not done here
-    shapes : shapes by which the link is drawn and collides
-    span, joint : spans, in the model's own file, of the link's element and of the URDF joint that
-        attaches it; (0, 0) if there is none, or if it is in an included file
+    shapes : shapes by which a URDF's link is drawn and collides
+    span : span of the link's element in the model's own file; (0, 0) if it is in an included file,
+        and for USD
+    joint : span of the URDF joint that attaches the link to its parent; (0, 0) if there is none
     """
 
     name: str
@@ -102,7 +116,7 @@ class Link:
 
     @property
     def has_inertia(self) -> bool:
-        """Whether the file states a positive mass and a tensor other than zero for the link."""
+        """Whether the file states a positive mass and a nonzero tensor for the link."""
         return self.stated is not None and self.stated.is_physical
 
 
@@ -120,10 +134,14 @@ class Folders:
     packages: tuple[tuple[str, Path], ...] = ()
 
     def find(self, name: str) -> Path | None:
-        """Return a file that a model names, if it exists inside one of the folders; else None.
+        """Return the path of a file that a model names; None if it is not inside the folders.
 
-        Packages of ROS that contain the model itself count as folders, too: those with a
-        package.xml, and those installed under share.
+        The ROS packages that contain the model itself are also searched: folders above it that have
+        a package.xml, or that are directly below a folder `share`.
+
+        Parameters
+        ----------
+        name : path relative to the model's own folder, or a `package://` or `model://` URL
         """
         above = [
             folder
@@ -153,12 +171,12 @@ class ModelFile:
     ----------
     data : the bytes of the file
     links : the model's links, in the file's order
-    notes : sentences on what is odd about the file, and on what of it was not read
-    checked : for an MJCF or a USD file, the text that engines may read, with included files
-        inserted
+    notes : sentences on oddities of the file, and on what of it was not read
     folders : the folders in which the model's files may be
-    files : files that the checked text names, by their names in this text: the text of an attached
-        model, or the path of a mesh or a height field
+    checked : for an MJCF or a USD file, the text that engines are given, with included files
+        inserted; else empty
+    files : the files that the checked text names, by the names in this text; each is the text of an
+        attached model, or the path of another file, such as a mesh
     """
 
     path: Path
@@ -171,24 +189,24 @@ class ModelFile:
     files: Mapping[str, str | Path] = field(default_factory=dict)
 
     def link(self, name: str) -> Link:
-        """Return the link of a given name; raise KeyError if there is none."""
+        """Return the link with a given name; raise KeyError if there is none."""
         return {link.name: link for link in self.links}[name]
 
 
 @dataclass(frozen=True, eq=False)
 class RigidBody:
-    """A link and the links welded to it: one body, in the frame of the first link.
+    """A link, called the host, and the links welded to it: together they are one body.
 
     Attributes
     ----------
-    parts : the link itself and the links welded to it, with their poses in its frame
+    parts : the host first, then the links welded to it, each with its pose in the host's frame
     """
 
     parts: tuple[tuple[Link, Pose], ...]
 
     @property
     def host(self) -> Link:
-        """The link that the other parts are welded to."""
+        """The link to which the others are welded, in whose frame the body is described."""
         return self.parts[0][0]
 
     @property
@@ -198,22 +216,25 @@ class RigidBody:
 
     @property
     def unread(self) -> str:
-        """Words that name the parts whose inertia engines compute from shapes; empty if none."""
+        """A sentence on the links whose inertia is that of their shapes; empty if there are none.
+
+        Engines compute such an inertia; it is not read from the file.
+        """
         names = [link.name for link, _ in self.parts if link.by_shapes]
         return f"the inertia of {', '.join(names)} is that of its shapes, not read" if names else ""
 
     @property
     def stated(self) -> Stated | None:
-        """Mass, com and tensor of the whole body; None if the file states them for no part."""
+        """Mass, com and tensor of the whole body; None if the file states them for no link."""
         stated = [(link.stated, pose) for link, pose in self.parts if link.stated is not None]
         if self.welded:
             return fused(stated)
         return stated[0][0] if stated else None
 
     def only(self, names: Collection[str]) -> "RigidBody":
-        """Return the body without the welded links that are not needed.
+        """Return the body with fewer welded links.
 
-        It keeps the host, the links of the given names, and the links between them and the host.
+        It keeps the host, the links with the given names, and the links between these and the host.
         """
         parents = {link.name: link.parent for link, _ in self.parts[1:]}
         wanted = {self.host.name}
@@ -231,9 +252,9 @@ def rigid_bodies(
 
     Parameters
     ----------
-    gone : names of links that have no body of their own but belong to the link that they are
-        attached to; by default the links that no joint moves, except roots and links attached to
-        `WORLD`
+    links : the model's links
+    gone : names of the links that are welded to the link that they are attached to. If None, these
+        are the links that no joint moves, except roots and links attached to `WORLD`
     """
     if gone is None:
         gone = {li.name for li in links if li.parent and not li.moves and li.parent != WORLD}
@@ -251,9 +272,14 @@ def rigid_bodies(
 
 
 def fused(parts: Iterable[tuple[Stated, Pose]]) -> Stated:
-    """Return rigidly joined parts as one body, in the frame that the poses are given in.
+    """Return the one body that rigidly joined parts form.
 
     Parts without mass are ignored.
+
+    Parameters
+    ----------
+    parts : mass, com and tensor of each part in its own frame; and the pose of this frame in the
+        frame in which the body is returned
     """
     placed = [(part, pose) for part, pose in parts if part.mass]
 
@@ -266,14 +292,14 @@ def fused(parts: Iterable[tuple[Stated, Pose]]) -> Stated:
         )
 
     body = whole(part.inertia_com for part, _ in placed)
-    # Turned tensors are symmetric up to rounding.
+    # A turned tensor is symmetric only up to rounding.
     inertia = (body.inertia_com + body.inertia_com.T) / 2
     unturned = whole(part.unturned for part, _ in placed).inertia_com
     return Stated(float(body.mass), body.com, inertia, unturned=unturned)
 
 
 def principal_moments(inertia: FloatArray) -> FloatArray:
-    """Return the principal moments of a tensor, ascending, kg m², (3,)."""
+    """Return the principal moments, ascending, kg m², (3,), of a tensor, (3, 3)."""
     if not (inertia - np.diag(np.diag(inertia))).any():
         return np.sort(np.diag(inertia))
     return np.asarray(np.linalg.eigvalsh(inertia))

@@ -14,7 +14,7 @@ from .urdf import urdf_links
 from .usd import ENDINGS, usd_links
 from .xml_tree import Element, ModelFileError, read_bytes, read_xml, shown
 
-#: Number of files kept, because all runs of a ladder need the same one.
+#: Number of models that are kept, as all runs of a ladder need the same one.
 KEPT = 16
 
 
@@ -23,7 +23,8 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
 
     Parameters
     ----------
-    packages : names of packages, as in `package://`, and their folders, in which meshes are found
+    packages : names of packages, as `package://` URLs have them, and the folders of these packages,
+        in which meshes are looked for
 
     Raises
     ------
@@ -58,7 +59,7 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
 
 
 def _scaled(robot: Element) -> list[str]:
-    """Return a note for each link whose tensor Bullet, and no other engine, scales."""
+    """Return a note for each `<inertia_scaling>`, which scales a link's tensor only in Bullet."""
     return [
         f"{scaling.where}: Bullet multiplies the tensor of {link} by this <inertia_scaling>; no "
         "other engine does"
@@ -71,7 +72,9 @@ def _scaled(robot: Element) -> list[str]:
 def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> list[str]:
     """Return a note if collision meshes are not inside the model's folders, else an empty list.
 
-    `path` is that of the model's file, for the note.
+    Parameters
+    ----------
+    path : path of the model's file, for the note
     """
     named = {s.mesh for link in links for s in link.shapes if s.collides and s.mesh is not None}
     missing = sorted(name for name in named if folders.find(name) is None)
@@ -92,7 +95,7 @@ class UsersLink:
     ----------
     model : the file
     body : the link, and those of the links welded to it that the scene names
-    stated : mass, com and tensor of the whole body
+    stated : mass, com and tensor that the file states for the whole body
     """
 
     model: ModelFile
@@ -101,15 +104,16 @@ class UsersLink:
 
 
 def users_link(scenario: Scenario) -> UsersLink:
-    """Return the link of a model file that a scene names, and read the file for it.
+    """Read the model file that a scene names; return the link, and links welded to it, from there.
 
     Raises
     ------
     UnsupportedError
-        If the scene names no link, or has no file that the model's path could be relative to.
+        If the scene names no link, or has no file to which the model's path would be relative.
     EngineError
-        If the file cannot be read, is not the file that the scene was made from, has no such link,
-        states no inertia of it, or does not weld to it a link that the scene names as welded.
+        If the model file cannot be read, is not the one from which the scene was made, has no such
+        link, states no inertia for it, or does not weld to it all links that the scene names as
+        welded.
     """
     origin = scenario.document.body
     file, link, welded = origin.model, origin.link, origin.welded or ()
@@ -139,6 +143,7 @@ def users_link(scenario: Scenario) -> UsersLink:
 def _read(path: Path, digest: str) -> ModelFile:  # noqa: ARG001
     """Return the model in a file; the last `KEPT` models are kept, by path and digest.
 
-    The digest is not checked here. It is a parameter so that a file that has changed is read again.
+    The digest is not checked here. It is a parameter so that a file is read again if the scene
+    names another digest.
     """
     return read_model(path)

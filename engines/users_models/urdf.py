@@ -1,4 +1,4 @@
-"""Reads a URDF's `link/inertial` and joints, and writes the text of a URDF that engines read."""
+"""Reads links and joints of a URDF, and writes the text of the URDF that engines are given."""
 
 import re
 from collections.abc import Collection, Iterable
@@ -24,7 +24,7 @@ def urdf_links(robot: Element) -> tuple[Link, ...]:
     Raises
     ------
     ModelFileError
-        If there are no links, a name or value is missing, stated twice or not a number, or links
+        If there are no links; if a name or value is missing, invalid or stated twice; or if links
         and joints form no tree.
     """
     elements: dict[str, Element] = {}
@@ -43,9 +43,10 @@ def urdf_links(robot: Element) -> tuple[Link, ...]:
 
 
 def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, Element]]:
-    """Return, by the name of each link that is the child of a joint, its parent's name and joint.
+    """Return the name of its parent and the joint for each link that is the child of a joint.
 
-    It raises `ModelFileError` if a joint names no link of the file, or a link hangs on two joints.
+    They are returned by the name of the child. `ModelFileError` is raised if a joint does not name
+    links of the file, or if a link is the child of two joints.
 
     Parameters
     ----------
@@ -70,7 +71,7 @@ def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, E
 def _check_tree(
     robot: Element, links: dict[str, Element], joints: dict[str, tuple[str, Element]]
 ) -> None:
-    """Raise `ModelFileError` unless the links form one tree that is not too deep."""
+    """Raise `ModelFileError` unless the links form one tree, at most `MAX_DEPTH` joints deep."""
     roots = [name for name in links if name not in joints]
     if len(roots) > 1:
         links[roots[1]].refuse(
@@ -92,7 +93,12 @@ def _check_tree(
 
 
 def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Link:
-    """Return a link; `joint` has its parent's name and its joint, and is None for a root."""
+    """Return the link that an element states.
+
+    Parameters
+    ----------
+    joint : the name of its parent, and the joint that attaches it; None for a root
+    """
     parent, holder = joint or ("", None)
     inertial = element.only("inertial")
     return Link(
@@ -111,7 +117,7 @@ def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Lin
 def _stated(inertial: Element) -> Stated:
     """Return mass, com and tensor that an `<inertial>` states, in the link's frame.
 
-    It raises `ModelFileError` if one of them or a number is missing.
+    It raises `ModelFileError` if the mass, the tensor or a number is missing.
     """
     mass, tensor = inertial.only("mass"), inertial.only("inertia")
     if mass is None or tensor is None:
@@ -127,7 +133,7 @@ def _stated(inertial: Element) -> Stated:
 def _pose(element: Element) -> Pose:
     """Return the pose that an element's `origin` states, with R = Rz(yaw) Ry(pitch) Rx(roll).
 
-    Without an `origin` it is no shift and no turn.
+    It is the identity if there is no `origin`.
     """
     origin = element.only("origin")
     if origin is None:
@@ -146,7 +152,7 @@ def _shape(element: Element) -> Shape:
     box = None
     if half is not None:
         pose = _pose(element)
-        # For a turned box it is the box around it.
+        # Half the sides, along the link's axes, of the box around the turned box.
         reach = np.abs(pose.R) @ half
         box = np.array([pose.position - reach, pose.position + reach])
     return Shape(box, element.span, mesh, element.tag == "collision")
@@ -171,19 +177,19 @@ def _half_extents(solid: Element) -> FloatArray | None:
 _FILENAME = re.compile(rb"""\bfilename\s*=\s*(?:"[^"]*"|'[^']*')""")
 #: Largest size of a mesh, bytes; the largest in public packages have 40 million.
 LARGEST_MESH = 1 << 28
-#: Replacements for spans of the file.
+#: Spans of a file, and the bytes that replace each.
 Edits = list[tuple[Span, bytes]]
 
 
 def with_meshes(
     model: ModelFile, links: Iterable[Link], endings: Collection[str]
 ) -> tuple[bytes, dict[str, bytes]]:
-    """Return a URDF that names its meshes by new names, so that an engine finds no other files.
+    """Return a URDF in which meshes have new names, so that an engine finds no other files.
 
     Parameters
     ----------
-    links : links whose collision shapes keep their meshes
-    endings : file endings of the meshes that are kept
+    links : links of which collision meshes are kept
+    endings : file endings of the meshes that are kept, in small letters
 
     Returns
     -------
@@ -204,14 +210,21 @@ def with_meshes(
 def body_alone(
     model: ModelFile, body: RigidBody, endings: Collection[str] | None = None
 ) -> tuple[bytes, dict[str, bytes]]:
-    """Return a URDF of one body, its links and the joints between them cut verbatim out of a model.
-
-    It is returned as in `with_meshes`: the file's bytes, and the meshes by their new names. The
-    same errors are raised.
+    """Return a URDF of one body: its links, and the joints between them, are cut out verbatim.
 
     Parameters
     ----------
-    endings : file endings of the meshes that are kept; if None, the links have no shapes
+    model : the model from which the body is cut out
+    endings : file endings of the collision meshes that are kept; if None, no shapes are kept
+
+    Returns
+    -------
+    The bytes of the URDF; and the contents of the mesh files, by their new names
+
+    Raises
+    ------
+    EngineError
+        If a mesh cannot be read or is too large.
     """
     links = [link for link, _ in body.parts]
     shapes = [shape for link in links for shape in link.shapes]
@@ -227,7 +240,7 @@ def body_alone(
 
 
 def edited(data: bytes, edits: Edits) -> bytes:
-    """Return a file's bytes after edits, whose spans must not overlap."""
+    """Return a file's bytes after edits; the spans of the edits must not overlap."""
     parts, at = [], 0
     for (start, end), new in sorted(edits):
         parts += [data[at:start], new]
@@ -238,8 +251,8 @@ def edited(data: bytes, edits: Edits) -> bytes:
 def mesh_bytes(model: ModelFile, name: str) -> bytes | None:
     """Return the contents of a mesh that a model names; None if it is not in the model's folders.
 
-    References to materials in an OBJ file are made comments, since PyBullet would open the
-    materials wherever they are.
+    References to materials in an OBJ file are turned into comments, since PyBullet would open these
+    files wherever they are.
 
     Raises
     ------
@@ -261,8 +274,12 @@ def _edits(
 ) -> tuple[Edits, dict[str, bytes]]:
     """Return edits of the shapes of some links, and the contents of meshes by their new names.
 
-    The edits give the meshes of the `wanted` collision shapes new names, and remove visual shapes
-    and all other meshes.
+    The edits write new names for the meshes of wanted collision shapes. They remove all visual
+    shapes, and collision shapes with any other mesh.
+
+    Parameters
+    ----------
+    wanted : shapes whose meshes are kept
     """
     edits: Edits = []
     meshes: dict[str, bytes] = {}

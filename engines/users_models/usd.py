@@ -1,6 +1,6 @@
-"""Reads what a USD file in text form states of rigid bodies: UsdPhysics' MassAPI and joints.
+"""Reads the rigid bodies of a USD file in text form: UsdPhysics' MassAPI and joints.
 
-OpenUSD reads the file, which may name no other files; units, scales and axes are applied here.
+OpenUSD parses the file, which may name no other files. Units, scales and axes are applied here.
 """
 
 from importlib import import_module
@@ -14,7 +14,7 @@ from ...scenarios import FloatArray, printable
 from .model_file import Link, Pose, Stated
 from .xml_tree import ModelFileError, shown
 
-#: File endings, and first bytes of the kind that is read.
+#: File endings of USD, and the first bytes of a file in text form, the only form that is read.
 ENDINGS = frozenset((".usd", ".usda", ".usdc", ".usdz"))
 TEXT = b"#usda"
 
@@ -82,13 +82,15 @@ def usd_links(path: Path, data: bytes) -> tuple[tuple[Link, ...], tuple[str, ...
 
 
 def _stated(mass: Any, metre: float, kilogram: float, scale: FloatArray) -> Stated | None:
-    """Return what a MassAPI states, in SI units; None if it lacks the mass, com or tensor.
+    """Return mass, com and tensor that a MassAPI states, in SI units; None if it lacks any of them.
 
-    Engines compute what is lacking from shapes.
+    Engines compute from shapes what is lacking.
 
     Parameters
     ----------
-    metre, kilogram : the file's units of length, m, and of mass, kg
+    mass : the MassAPI of a prim
+    metre : the file's unit of length, m
+    kilogram : the file's unit of mass, kg
     scale : factors by which the prim's axes are scaled, (3,)
     """
     value = float(mass.GetMassAttr().Get() or 0.0)
@@ -101,17 +103,17 @@ def _stated(mass: Any, metre: float, kilogram: float, scale: FloatArray) -> Stat
     R = Rotation.from_quat(q_wxyz, scalar_first=True).as_matrix() if q_wxyz.any() else np.eye(3)
     unturned = np.diag(moments) * kilogram * metre**2
     inertia = R @ unturned @ R.T
-    # The com is in the prim's own space, which its scale stretches.
+    # The com is stated in the prim's own space, which is stretched by the prim's scale.
     place = np.array(com.Get(), dtype=float) * scale * metre
     return Stated(value * kilogram, place, (inertia + inertia.T) / 2, unturned=unturned)
 
 
 def _joints(stage: Any, physics: Any, metre: float) -> dict[str, tuple[str, Pose, bool]]:
-    """Return the joints of a stage, by the path of the child body of each.
+    """Return the joints of a stage, by the path of the child body.
 
-    A joint is given as the path of its parent body, the pose of the child in the parent's frame
-    with all joint coordinates zero, and whether the joint lets the child move. Joints to the world
-    are left out; of several joints of one child the first is returned.
+    A joint is given by three values: the path of the parent body, the pose of the child in the
+    parent's frame if all joint coordinates are zero, and whether the child can move. Joints to the
+    world are left out. If a child has several joints, the first is returned.
 
     Parameters
     ----------
@@ -135,9 +137,12 @@ def _joints(stage: Any, physics: Any, metre: float) -> dict[str, tuple[str, Pose
 
 
 def _frame(place: Any, turn: Any, metre: float) -> Pose:
-    """Return the pose of a joint's frame in a body, given attributes of its place and rotation.
+    """Return the pose of a joint's frame in a body.
 
-    `metre` is the file's unit of length, m.
+    Parameters
+    ----------
+    place, turn : the attributes of the prim that state position and rotation of the frame
+    metre : the file's unit of length, m
     """
     q = turn.Get()
     R = Rotation.from_quat([q.GetReal(), *q.GetImaginary()], scalar_first=True).as_matrix()
@@ -145,7 +150,7 @@ def _frame(place: Any, turn: Any, metre: float) -> Pose:
 
 
 def _check_tree(file: str, links: list[Link]) -> None:
-    """Raise `ModelFileError` if joints form a ring."""
+    """Raise `ModelFileError` if parents lead from a body back to itself."""
     parents = {link.name: link.parent for link in links}
     for link in links:
         seen, at = {link.name}, link.parent

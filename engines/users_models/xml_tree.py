@@ -1,9 +1,9 @@
-"""XML as a tree whose elements know their line and place in the file; DTDs are refused.
+"""Reads XML as a tree whose elements know their line and place in the file; DTDs are refused.
 
-It uses expat itself, because positions are needed for messages and for cutting a link out verbatim,
-which ElementTree and the parsers built on it or on lxml (yourdfpy, urdf_parser_py) do not keep.
-Only numbers that every engine reads alike are accepted: PyBullet reads `0,5` as 0, some take `1_0`
-for 10, both engines load a mass of `nan`.
+It uses expat directly. Messages need the positions of elements, and so does cutting a link out
+verbatim, but ElementTree and the parsers built on it or on lxml (yourdfpy, urdf_parser_py) do not
+keep them. Only numbers that every engine reads alike are accepted: PyBullet reads `0,5` as 0, some
+engines take `1_0` for 10, and MuJoCo and PyBullet load a mass of `nan`.
 """
 
 import re
@@ -24,7 +24,7 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 class ModelFileError(ValueError):
     """A model file cannot be read, or engines would not read it alike.
 
-    The message names the file, and where it can the line, the element and the rule.
+    The message names the file and, if possible, the line, the element and the rule that it breaks.
     """
 
 
@@ -34,18 +34,18 @@ MAX_DEPTH = 256
 #: file of the largest permitted size could have millions of elements, each of which takes hundreds
 #: of times its bytes in memory, and an engine compares the attributes of an element pairwise.
 MAX_ELEMENTS, MAX_ATTRIBUTES = 1 << 18, 1 << 8
-#: Largest length of a name, and of the separator that a replicate puts before a number, since
-#: names of links are shown; and the attributes that the limit applies to.
+#: Largest number of characters in an attribute that makes a part of a link's name, as these names
+#: are printed; and these attributes: `sep` is put between a name and a number by `replicate`.
 MAX_NAME, NAMING = 1 << 10, ("name", "sep")
-#: Number of characters of a value that are shown.
+#: Largest number of characters of a value that messages show.
 MAX_SHOWN = 60
-#: Largest number: products of three of them can be computed with.
+#: Largest size of a number in a file: the product of three such numbers does not overflow.
 LARGEST = 1e100
 #: Pattern of an XML declaration, wherever it stands.
 _DECLARATION = re.compile(rb"<\?xml\b[^>]*\?>")
 #: Pattern of one tag; '>' may stand in quotes.
 _TAG = re.compile(rb"""<(?:[^<>"']++|"[^"]*"|'[^']*')*+>""")
-#: expat's errors about a declaration: engines ignore these, other tools refuse the file.
+#: expat's errors about an XML declaration: engines ignore them, but other tools refuse the file.
 _OF_DECLARATIONS = frozenset(
     {
         expat.errors.XML_ERROR_MISPLACED_XML_PI,
@@ -61,8 +61,9 @@ class Element:
 
     Attributes
     ----------
-    file, line : name of the file, and the line in it where the element begins
-    span : indices of the element's first byte in the file and of the byte after its last
+    file : name of the file
+    line : number of the line in the file where the element begins
+    span : index in the file of the element's first byte, and of the byte after its last
     """
 
     tag: str
@@ -74,7 +75,7 @@ class Element:
 
     @property
     def where(self) -> str:
-        """File and line, as "robot.urdf:12"."""
+        """The name of the file and the line, for example "robot.urdf:12"."""
         return f"{self.file}:{self.line}"
 
     def all(self, tag: str) -> list["Element"]:
@@ -82,12 +83,12 @@ class Element:
         return [child for child in self.children if child.tag == tag]
 
     def only(self, tag: str) -> "Element | None":
-        """Return the child with a given tag, None if there is none.
+        """Return the child with a given tag; None if there is none.
 
         Raises
         ------
         ModelFileError
-            If there are several: engines do not choose the same one.
+            If there are several, of which engines do not choose the same one.
         """
         children = self.all(tag)
         if len(children) > 1:
@@ -97,8 +98,8 @@ class Element:
     def walk(self) -> Iterator["Element"]:
         """Yield the element and its descendants, without recursion.
 
-        An element is yielded before its children, and the children last to first. If a descendant
-        is changed before it is yielded, the changed one is yielded.
+        An element is yielded before its children, and the last child before the first. The tree may
+        be changed meanwhile: the children of an element are looked up after it was yielded.
         """
         left = [self]
         while left:
@@ -107,25 +108,25 @@ class Element:
             left += element.children
 
     def refuse(self, rule: str) -> Never:
-        """Raise a `ModelFileError` about this element."""
+        """Raise a `ModelFileError` that says which rule this element breaks."""
         raise ModelFileError(f"{self.where}: {rule}")
 
     def numbers(
         self, key: str, length: int | None = None, default: Sequence[float] | None = None
     ) -> tuple[float, ...]:
-        """Return the numbers of an attribute, of which none is larger than `LARGEST`.
+        """Return the numbers in an attribute.
 
         Parameters
         ----------
         key : name of the attribute
-        length : how many numbers there must be; None allows any
-        default : the numbers to return if the attribute is missing; None if it must be there
+        length : how many numbers there must be; None allows any number of them
+        default : the numbers that are returned if the attribute is missing; if None, it must exist
 
         Raises
         ------
         ModelFileError
-            If the attribute is missing without a default, has not `length` decimal numbers, or one
-            that is too large.
+            If the attribute is missing and there is no default, if its text is not `length` decimal
+            numbers, or if a number is larger in size than `LARGEST`.
         """
         text = self.attributes.get(key)
         if text is None:
@@ -149,9 +150,10 @@ class Element:
         return tuple(map(float, parts))
 
     def text(self) -> str:
-        """Return the element as XML, each element in its original line.
+        """Return the element as XML, with every element on its original line.
 
-        So the line numbers in engines' messages are those of the user's file.
+        So the line numbers in engines' messages are those of the user's file. Text between elements
+        and comments are left out.
         """
         parts: list[str] = []
         line = 1
@@ -169,13 +171,13 @@ class Element:
         return "".join(parts)
 
     def __str__(self) -> str:
-        """Return the tag, with the name if there is one, as messages show it."""
+        """Return the tag, with the element's name if it has one, for messages."""
         name = self.attributes.get("name")
         return f"<{self.tag}>" if name is None else f"<{self.tag} name={shown(name)}>"
 
 
 def _why(part: str) -> str:
-    """Return words that say why engines do not read a text as one number, to be put after it."""
+    """Return the end of a message: why engines do not all read a text as the same number."""
     if "$" in part:
         return ": it is xacro, expand the file first"
     if "," in part:
@@ -184,7 +186,7 @@ def _why(part: str) -> str:
 
 
 def shown(value: str) -> str:
-    """Return a value of the file as messages show it: quoted, printable, and not too long."""
+    """Return a value from a file for messages: quoted, printable, and not too long."""
     return printable(repr(value), MAX_SHOWN)
 
 
@@ -203,16 +205,19 @@ def read_xml(path: Path) -> tuple[bytes, Element, list[str]]:
 
 
 def parse_xml(data: bytes, file: str) -> tuple[Element, list[str]]:
-    """Return the outermost element of an XML file, given its bytes, and notes as in `read_xml`.
+    """Return the outermost element of an XML file, and notes.
+
+    The notes say why standard XML parsers would refuse the file although engines read it.
 
     Parameters
     ----------
+    data : the bytes of the file
     file : name of the file, for messages and elements
 
     Raises
     ------
     ModelFileError
-        If the file nests elements too deep, has too many elements, attributes or characters in a
+        If the file nests elements too deeply, has too many elements, attributes or characters in a
         name, has a DTD, is not XML in UTF-8, or is xacro.
     """
     if b"\0" in data:
@@ -240,7 +245,7 @@ def read_bytes(path: Path, limit: int = LARGEST_MODEL) -> bytes:
     Raises
     ------
     ModelFileError
-        If it cannot be read, is no regular file, or has more than `limit` bytes.
+        If the file cannot be read, is no regular file, or has more than `limit` bytes.
     """
     file = printable(str(path))
     try:
@@ -253,7 +258,13 @@ def read_bytes(path: Path, limit: int = LARGEST_MODEL) -> bytes:
 
 
 def _not_xml(error: expat.ExpatError, file: str, data: bytes) -> ModelFileError:
-    """Return the error for a file of given bytes that expat cannot read, with line and reason."""
+    """Return the error, with line and reason, for a file that expat cannot parse.
+
+    Parameters
+    ----------
+    error : expat's error
+    data : the bytes of the file
+    """
     rule = f"not well-formed XML: {expat.errors.messages[error.code]}"
     try:
         data.decode()
@@ -270,15 +281,19 @@ def tag_end(data: bytes, start: int) -> int:
 
 
 class _Builder:
-    """Builds a file's tree of elements from expat's events; `root` is the outermost element.
+    """Builds a file's tree of elements from expat's events.
+
+    Attributes
+    ----------
+    root : the outermost element
 
     Raises
     ------
     ModelFileError
-        If the file is refused: it is nested too deep, has too many elements, attributes or
-        characters in a name, or has a DTD.
+        If the file nests elements too deeply, has too many elements, attributes or characters in a
+        name, or has a DTD.
     expat.ExpatError
-        If it is not well-formed.
+        If the file is not well-formed.
     """
 
     def __init__(self, file: str, data: bytes) -> None:
@@ -294,7 +309,7 @@ class _Builder:
         self.root = self._open[0].children[0]
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        """Begin an element; raise `ModelFileError` if the file is too deep or too large."""
+        """Add an element to the tree; raise `ModelFileError` if a limit is exceeded."""
         line, start = self._parser.CurrentLineNumber, self._parser.CurrentByteIndex
         element = Element(tag, attributes, self._file, line, (start, start))
         if len(self._open) > MAX_DEPTH:
@@ -313,10 +328,10 @@ class _Builder:
         self._open.append(element)
 
     def _end(self, tag: str) -> None:  # noqa: ARG002
-        """End the element that was begun last, whose span is now known."""
+        """Set the span of the element that ends here."""
         element = self._open.pop()
         start, own_tag = element.span[0], tag_end(self._data, element.span[0])
-        # For an element without an end tag expat reports the position behind it.
+        # For an element without an end tag, `<a/>`, expat reports the position behind the element.
         closed = self._data[own_tag - 2 : own_tag] == b"/>"
         end = own_tag if closed else tag_end(self._data, self._parser.CurrentByteIndex)
         element.span = (start, end)
@@ -330,7 +345,9 @@ class _Builder:
 
 
 def _unbound_prefixes(root: Element) -> list[str]:
-    """Return a note for each prefix of a tag that no attribute `xmlns:` declares.
+    """Return a note for each prefix of a tag, such as `a` in `<a:b>`, that is not declared.
+
+    A prefix is declared by an attribute `xmlns:` of the element or of one around it.
 
     It raises `ModelFileError` if a prefix is that of xacro.
     """

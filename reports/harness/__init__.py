@@ -1,1 +1,1 @@
-"""Runs, their comparison with the exact motion, and the verdict on a ladder of runs."""
+"""Makes the runs of a study, compares them with the exact motion, and judges the methods."""

@@ -16,15 +16,15 @@ class Choice:
 
     Attributes
     ----------
-    engines : the engines that are run; none if empty
-    methods : names of the methods that are run; all that an engine offers for a scene if empty
-    timesteps : s; if there are none, the ladder is run
+    engines : the engines that are run
+    methods : names of the methods that are run; if empty, all that an engine offers for a scene
+    timesteps : the timesteps of the runs, s; if empty, the ladder is run
     max_steps : a ladder ends before a run would take more steps than this
     timed : whether steps are timed
-    hard_in_passing : whether hard scenes get short ladders, and are not timed, as in a quick study:
-        a few steps show which methods survive
-    time_limit : CPU time that a run may take, s; the workers' own limit if None
-    again : whether stored runs are made again
+    hard_in_passing : whether hard scenes are not timed, and a run of their ladders takes at most
+        `QUICK_STEPS` steps, as in a quick study: few steps show which methods blow up
+    time_limit : CPU time that a run may take, s; if None, the default of the executor
+    again : whether runs are made again although their results are stored
     """
 
     engines: tuple[Engine, ...]
@@ -55,10 +55,10 @@ class Choice:
         ]
 
     def methods_on(self, scenario: Scenario) -> dict[Key, EngineMethod]:
-        """Return the chosen engines and methods for one scene, by the keys of their results.
+        """Return the pairs of engine and method to run on a scene, by the keys of their results.
 
-        Methods that the engine does not offer for the scene are included only if the user named
-        methods. Engines that do not apply to the scene are left out.
+        Engines that do not apply to the scene are left out. If the user named methods, they are
+        included even where the engine does not offer them for the scene.
         """
         return {
             Key(scenario.name, engine.name, method.name): (engine, method)

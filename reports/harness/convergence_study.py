@@ -29,8 +29,9 @@ class PlannedRun:
     Attributes
     ----------
     solution : the exact motion at the samples of the rung
-    use : the purpose of the run
-    judged : whether the run was judged before, so that its samples are not needed
+    use : `ladder` or `above` (the ladder), `stock` (at a stock timestep), or `single` (at a
+        timestep that a user or an expectation names)
+    judged : whether the result file has evidence from this run, so that its samples are not needed
     expectations : expectations of the scene for this timestep
     """
 
@@ -41,11 +42,11 @@ class PlannedRun:
     expectations: tuple[Expect, ...] = ()
 
     def is_answered_by(self, row: Row) -> bool:
-        """Whether a stored row answers the run, which then is not made again.
+        """Whether a stored row suffices, so that this run need not be made again.
 
-        The row of an `ok` run must have the motion at all samples, as this is judged, drawn, and
-        compared with expectations. It need not have it if the run was judged before, or is at a
-        single timestep or above the ladder and has no expectations.
+        The row of an `ok` run must have the motion at all samples, since the motion is judged,
+        drawn, and compared with expectations. The motion is not needed if the run was judged
+        before. Neither is it needed of a `single` or `above` run without expectations.
         """
         if row.outcome != "ok" or self.judged:
             return True
@@ -68,9 +69,9 @@ class ConvergenceStudy:
     rows, single_rows, above_rows, stock_rows : the rows so far, of the ladder, of single timesteps,
         of timesteps above the ladder, and of stock timesteps
     unmet : expectations of the scene that were not met, in words
-    places : exact states from which the method's steps are tested, and the timesteps of these
-        steps, if there are any
-    steps, own_steps, replays, refusal : the evidence that the method is judged by (see `Evidence`)
+    places : exact states from which the method's single steps are tested, and the timesteps of
+        these steps; None if single steps are not tested
+    steps, own_steps, replays, refusal : the evidence so far (see `Evidence`)
     """
 
     scenario: Scenario
@@ -94,14 +95,14 @@ class ConvergenceStudy:
 
     @property
     def evidence(self) -> Evidence:
-        """The evidence that the method is judged by: the stored evidence, if there is any."""
+        """The evidence that the method is judged by: `before` if given, else what was measured."""
         return self.before or Evidence(
             self.key, self.steps, self.own_steps, self.replays, self.refusal
         )
 
     @property
     def records(self) -> Records:
-        """The records by which the method is judged, as far as it has been run."""
+        """The records of the runs so far, by which the method is judged."""
         scenario, engine = self.scenario, self.engine
         return Records(
             self.evidence,
@@ -121,9 +122,10 @@ class ConvergenceStudy:
 
     @property
     def made_runs(self) -> tuple[list[MadeRun], list[MadeRun]]:
-        """The runs that may be replayed: the ladder's, coarse to fine, and the other runs.
+        """The runs that may be replayed: those of the ladder, coarse to fine, and the others.
 
-        The other runs are those at single timesteps and at the engine's own stock timestep.
+        The others are at single timesteps and at the engine's own stock timestep. Only `ok` runs
+        whose motion is known at all samples are included.
         """
         ladder = self.ladder.rungs if self.ladder else ()
         others = [planned.rung for planned in self.singles]
@@ -148,10 +150,10 @@ class ConvergenceStudy:
         return Key(self.scenario.name, self.engine.name, self.method.name)
 
     def runs(self) -> Generator[PlannedRun, Row]:
-        """Yield one planned run after another, and receive the row of each, just made or stored.
+        """Yield the planned runs one by one; the caller sends the row of each into the generator.
 
-        The order is: single timesteps; the ladder, down to the rung at which it can be judged;
-        timesteps above the ladder, as long as runs survive; and stock timesteps.
+        The order is: single timesteps; the ladder, coarse to fine, until no finer rung is needed;
+        timesteps above the ladder, fine to coarse, until a run does not survive; stock timesteps.
         """
         for single in self.singles:
             row = yield single
@@ -180,8 +182,8 @@ class ConvergenceStudy:
     def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
         """Compare a run with the exact motion, and return its row.
 
-        The row of a run at a single or stock timestep has defects; that of a run above a ladder has
-        no motion if the ladder has rows.
+        Defects are added to the row if the run is at a single or stock timestep. The motion of a
+        run above the ladder is left out if the ladder has rows.
         """
         row = compared(
             self.scenario,
@@ -202,7 +204,7 @@ class ConvergenceStudy:
         return row
 
     def refusals(self) -> list[Row]:
-        """Return the rows, `unsupported`, of stock timesteps that are not run on the scene."""
+        """Return an `unsupported` row for each stock timestep that is refused on the scene."""
         return [
             Row(
                 self.key,
@@ -219,14 +221,15 @@ class ConvergenceStudy:
 
     @property
     def cut_short(self) -> bool:
-        """Whether the step limit left out finer rungs."""
+        """Whether the ladder ended at the step limit although finer rungs were still needed."""
         return cut_short(self.records)
 
     def discardable_timesteps(self) -> list[float]:
         """Return the timesteps, s, of the runs whose samples are not needed after the verdict.
 
-        Samples are needed of the finest run that has them and of runs at stock timesteps, which a
-        report shows, and of runs with expectations, to tell since when an expectation is not met.
+        Needed are the samples of three sorts of runs: the finest run with samples, and runs at
+        stock timesteps, as reports show their motion; and runs with expectations, as messages tell
+        since when an expectation is not met.
         """
         rows = self.rows + self.single_rows + self.above_rows
         kept = {single.rung.timestep for single in self.singles if single.expectations}
@@ -235,7 +238,7 @@ class ConvergenceStudy:
 
     @property
     def _stock_left(self) -> list[StockRun]:
-        """Runs at stock timesteps that are still to be made; none if no timestep can succeed."""
+        """The runs at stock timesteps without a row so far; none if no timestep can succeed."""
         return (
             []
             if self._is_hopeless
@@ -257,7 +260,7 @@ class ConvergenceStudy:
 
 
 def thinned(solution: Solution, every: int) -> Solution:
-    """Return the exact motion at every m-th of its sample times, with m given by `every`."""
+    """Return the exact motion at its first sample time, and at each `every`-th one after that."""
     if every == 1:
         return solution
     return replace(solution, trajectory=solution.trajectory.every(every))

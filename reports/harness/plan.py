@@ -15,12 +15,12 @@ from .executors import may_succeed_if_repeated
 
 @dataclass(frozen=True, eq=False)
 class SceneLeft:
-    """A scene, and its missing results.
+    """A scene for which results are missing.
 
     Attributes
     ----------
-    to_run : methods without a verdict
-    to_time : whether some method's steps must be timed
+    to_run : the methods without a verdict, with their engines
+    to_time : whether the steps of at least one method must still be timed
     """
 
     scenario: Scenario
@@ -34,8 +34,8 @@ class Plan:
 
     Attributes
     ----------
-    scenes : the incomplete scenes, in the order asked for
-    there : number of valid verdicts in the file
+    scenes : the scenes for which results are missing, in the order asked for
+    there : number of valid verdicts in the result file
     outdated : number of verdicts that are invalid because scene, engine or program has changed
     """
 
@@ -45,11 +45,11 @@ class Plan:
 
     @property
     def total(self) -> int:
-        """Number of verdicts and timings still to be computed."""
+        """Number of missing verdicts, plus the number of scenes that must be timed."""
         return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
 
     def __str__(self) -> str:
-        """Return in words how many verdicts are stored and how many outdated; empty if none are."""
+        """Return in words how many verdicts are stored, and how many outdated; empty if neither."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
         counts = [f"{self.there} of {verdicts} verdicts are stored already"] if self.there else []
         if self.outdated:
@@ -58,10 +58,11 @@ class Plan:
 
 
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
-    """Determine which results of a study are missing from the store.
+    """Return the results of a study that are missing from the result file.
 
-    Outdated results do not count. Stored costs of other processors are deleted. If `Choice.again`
-    is set, the stored results that the choice asks for are deleted, too.
+    Outdated results count as missing. Costs that were measured on another processor are deleted
+    from the file. If `Choice.again` is set, the stored results that the choice asks for are deleted
+    first.
     """
     if choice.again:
         store.forget(key for scenario in scenarios for key in choice.methods_on(scenario))
@@ -87,7 +88,10 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
 
 
 def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:
-    """Return the stored verdicts on a scene, except any that rest on a failure that may pass."""
+    """Return the stored verdicts on a scene, except of methods with a failure that may pass.
+
+    Such a failed run may succeed if it is made again (`may_succeed_if_repeated`).
+    """
     to_repeat = {
         row.key
         for row in store.failed_rows(scenario.name)
@@ -100,12 +104,12 @@ def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[V
 def _has_untimed(
     scenario: Scenario, choice: Choice, settled: Mapping[Key, Verdict], timed: Collection[Key]
 ) -> bool:
-    """Whether a method whose steps can be timed has no time.
+    """Whether the cost of any method whose steps can be timed is missing.
 
     Parameters
     ----------
-    settled : stored verdicts
-    timed : keys of the methods that have times
+    settled : stored verdicts, by key
+    timed : keys of the methods with a stored cost
     """
     return any(
         can_be_timed(scenario, pair, settled.get(key))
@@ -115,10 +119,10 @@ def _has_untimed(
 
 
 def can_be_timed(scenario: Scenario, pair: EngineMethod, verdict: Verdict | None) -> bool:
-    """Whether the steps of a method on a scene can be timed, as far as is known.
+    """Whether the steps of a method on a scene can be timed, as far as its verdict tells.
 
-    A method that differs from another only in how it reads models is not timed, as its steps are
-    the other method's steps.
+    A method that differs from another only in how it reads models is not timed, as both take the
+    same steps.
 
     Parameters
     ----------

@@ -22,9 +22,11 @@ class Prepared:
     Attributes
     ----------
     solution : the exact motion at the ladder's sample times
-    singles : single timesteps with their samples, and the exact motion at these
-    stock : the runs at stock timesteps, those that are to be made and those that are refused
-    places : exact states from which single steps are tested, and the timesteps of these steps
+    singles : for each timestep that a user or an expectation names, the rung with its samples, and
+        the exact motion at these
+    stock : the runs at stock timesteps, including those that are refused
+    places : exact states from which single steps are tested, and the timesteps of these steps; None
+        if single steps are not tested
     """
 
     solution: Solution
@@ -39,7 +41,7 @@ class Prepared:
 
 
 class SceneReference:
-    """A scene's exact motion for all its methods, solved when the first method needs it."""
+    """A scene's exact motion, shared by all methods, and solved when the first of them needs it."""
 
     def __init__(self, scenario: Scenario, choice: Choice) -> None:
         self._scenario, self._choice = scenario, choice
@@ -47,7 +49,7 @@ class SceneReference:
         self._solved: Prepared | CallFailed | None = None
 
     def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
-        """Return the exact motion, which is also stored, or the failure of its solution."""
+        """Return the exact motion, after storing it; or the failure, if it cannot be found."""
         with self._solving:
             if self._solved is None:
                 self._solved = self._solve(executor)
@@ -56,7 +58,7 @@ class SceneReference:
             return self._solved
 
     def _solve(self, executor: Executor) -> Prepared | CallFailed:
-        """Solve the scene in a worker, at all times that the chosen runs need."""
+        """Return the exact motion at all times that the chosen runs need, solved by a call."""
         scenario, choice = self._scenario, self._choice
         timesteps = {*choice.timesteps, *(expected.timestep for expected in scenario.expect)}
         stock = {dt for engine in choice.engines for dt in stock_timesteps(engine)}
@@ -72,19 +74,21 @@ class SceneReference:
 def prepare(
     scenario: Scenario, timesteps: Sequence[float], max_steps: int, stock: Sequence[float] = ()
 ) -> Prepared:
-    """Solve a scene at the sample times of its ladder and of every single and stock timestep.
+    """Return a scene's exact motion at the sample times of all runs, and the timesteps of these.
 
     If the exact motion ends at a horizon, the runs end there, too.
 
     Parameters
     ----------
-    timesteps, stock : single timesteps and stock timesteps, s
+    timesteps : timesteps, s, that a user or an expectation names
     max_steps : largest number of steps of a run of the ladder
+    stock : stock timesteps, s
 
     Raises
     ------
     ValueError
-        If a single timestep is twice the window or more, or too short to count its steps.
+        If one of `timesteps` is at least twice the window, or so short that a run would take more
+        than `MOST_STEPS` steps.
     IntegrationError
         If the exact motion cannot be found.
     """

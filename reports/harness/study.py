@@ -1,7 +1,7 @@
-"""Runs all methods of all engines on scenes: solves, steps down ladders, compares, judges, stores.
+"""Runs methods of engines on scenes, judges them by the exact motions, and stores the results.
 
-Every result is stored at once, and stored results are not made again, so that a study that was
-stopped at any moment continues when it is started again. `study_method` runs one method on one
+Every result is stored as soon as it is made, and stored results are not made again: a study that
+was stopped at any moment continues when it is started again. `study_method` runs one method on one
 scene.
 """
 
@@ -38,7 +38,7 @@ Progress = Callable[[str], None]
 def run_study(
     left: Plan, choice: Choice, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run the missing methods of every scene, then measure what their steps cost.
+    """Make the missing verdicts on all scenes, then measure the missing costs of steps.
 
     Nothing else runs while steps are timed. Each row, verdict and cost is stored as soon as it is
     made.
@@ -76,7 +76,7 @@ def study_method(
     store: Store,
     executor: Executor,
 ) -> Verdict:
-    """Run one method on one scene, and return the verdict, which is stored.
+    """Run one method on one scene, store the verdict, and return it.
 
     Stored runs that suffice are not made again. If the exact motion cannot be found, the verdict is
     `failed`.
@@ -110,12 +110,14 @@ def study_method(
 
 
 def _run_with_some_defaults(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
-    """Store runs with no default of an engine, with each default alone, and with all but each.
+    """Make and store runs with different sets of an engine's defaults, to find what each changes.
 
-    A default is what the engine does to motions unless it is told not to. The runs are made at the
-    coarsest stock timestep that can be run, by the engine's first method as shipped, which has all
-    of its defaults. Nothing is stored for other methods, for an engine without defaults, where the
-    first step would be clamped (`clamped_start`), or if the call fails.
+    A default is something that the engine does to motions unless it is told not to, such as
+    damping. The sets are: none of the defaults, each of them alone, and all but one, for each.
+
+    The runs are made at the coarsest stock timestep that is not refused, and only if the method is
+    the engine's first one as shipped. Nothing is stored if the engine has no defaults, if it would
+    clamp the first step (`clamped_start`), or if the call fails.
     """
     scenario, engine, method = study.scenario, study.engine, study.method
     first = next((other for other in engine.methods if other.as_shipped), None)
@@ -134,9 +136,9 @@ def _run_with_some_defaults(study: ConvergenceStudy, executor: Executor, store: 
 
 
 def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
-    """Return whether all runs of a study are stored with their evidence.
+    """Return whether the evidence and all runs of a study are stored.
 
-    Stored rows are passed to the study, up to the first that is missing.
+    Stored rows are added to the study, up to the first that is missing or does not suffice.
 
     Parameters
     ----------
@@ -154,7 +156,7 @@ def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
 
 
 def run_and_judge(study: ConvergenceStudy, executor: Executor) -> Verdict:
-    """Run a method now, and return the verdict, without storing anything."""
+    """Make all runs of a method, and return the verdict, without storing anything."""
     for _ in run_rungs(study, executor):
         pass
     return judge(study.records)
@@ -163,11 +165,12 @@ def run_and_judge(study: ConvergenceStudy, executor: Executor) -> Verdict:
 def run_rungs(
     study: ConvergenceStudy, executor: Executor, stored: Mapping[float, Row] | None = None
 ) -> Iterator[Row]:
-    """Make the runs of a study in order, and measure the evidence, until it can be judged.
+    """Make the runs of a study in order, and measure the evidence, until the method can be judged.
 
     Parameters
     ----------
-    stored : stored rows, by timestep, s; a run that its row answers is not made again
+    stored : stored rows, by timestep, s; a run is not made again if its row suffices
+        (`PlannedRun.is_answered_by`)
 
     Yields
     ------
@@ -200,11 +203,12 @@ def convergence_study_of(
     timesteps: Sequence[float] = (),
     before: Evidence | None = None,
 ) -> ConvergenceStudy:
-    """Return the study of a method: single timesteps, ladder, stock timesteps.
+    """Return the study of a method on a scene, before its first run.
 
     Parameters
     ----------
-    timesteps : s; if there are any, only runs at these, and those with expectations, are made
+    timesteps : s; if there are any, the only runs are at these and at timesteps with expectations,
+        without ladder and stock timesteps
     before : the stored evidence that the method was judged by before; None if there is none
     """
     singles = []
@@ -228,12 +232,15 @@ def convergence_study_of(
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """Make one run, in a worker, and return it."""
+    """Return one run of a method, made in this process."""
     return engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
 
 
 def _examine(study: ConvergenceStudy, executor: Executor) -> None:
-    """Examine the method's steps from exact states of the motion, in a worker."""
+    """Examine the method's single steps from exact states, by a call, and set the evidence.
+
+    Nothing is done if single steps are not tested, or their evidence is known already.
+    """
     at, site = study.places, study.engine.site
     if at is not None and study.steps is None:
         arguments = (study.engine, study.scenario, study.method.name, at)
@@ -245,9 +252,9 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
 
 
 def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
-    """Replay the finest run and runs at other timesteps, in a worker.
+    """Replay the ladder's finest run and other runs, by a call, and set the evidence.
 
-    Nothing is replayed if steps show a fault or could not be examined.
+    Nothing is replayed if single steps show a fault or could not be examined.
     """
     at, steps, site = study.places, study.steps, study.engine.site
     ladder, others = study.made_runs
@@ -264,11 +271,9 @@ def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
 def _verdict_of_unsolved(
     key: Key, engine: Engine, failure: CallFailed, choice: Choice, store: Store
 ) -> Verdict:
-    """Store a row and a verdict that say that the exact motion could not be found.
+    """Return the verdict that the exact motion could not be found.
 
-    Returns
-    -------
-    The verdict
+    It is stored, together with a row that says the same.
     """
     reason = f"the exact motion could not be found: {failure.reason}"
     store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure)))

@@ -1,1 +1,1 @@
-"""The result file: its records, its tables, and what results rest on."""
+"""The result file: its records, its SQL tables, and the digests of what results rest on."""

@@ -12,7 +12,8 @@ from .records import MOTIONS, Key, Record
 def as_json(record: Record) -> dict[str, Any]:
     """Return a record as a JSON object, without its motion.
 
-    The error in each signal is an entry of its own, or null.
+    The names in its `Key` are entries of their own, and so is the error in each signal, which is
+    null if the run has none.
     """
     content: dict[str, Any] = {}
     for field in fields(record):

@@ -1,7 +1,7 @@
 """Words for what may be wrong: changes of equations of motion, and mistakes in reading states.
 
-They are used for single steps of an engine, and for recorded motions. A change is identified by
-its kind and its numbers, SI; its words complete a sentence that begins "behaves as if".
+Such a change may explain the single steps of an engine, or a recorded motion. It is identified by
+its kind and by numbers, SI. Its words complete a sentence that begins "behaves as if".
 """
 
 import math
@@ -13,35 +13,43 @@ from scipy.spatial.transform import Rotation
 
 from ...scenarios import EFFECTS
 
-#: Smallest change of a factor that seven digits show with an error of a tenth of it at most.
+#: Smallest deviation of a factor from 1 that seven digits show to within a tenth of it.
 VISIBLE = 1e-5
-#: Numbers this small relative to others are zero up to rounding.
+#: Largest size, relative to other components, of a component that is zero but for rounding.
 ROUNDING = 1e-12
-#: Relative difference below which two fitted sizes count as equal.
+#: Relative difference below which two fitted numbers count as equal.
 ALIKE = 1e-2
-#: Digits after the point of a power.
+#: Number of decimals to which fitted exponents and quaternions are rounded.
 DIGITS = 6
-#: Products of inertia, in the order in which they are listed everywhere.
+#: Products of inertia, in the order in which they are always listed.
 PRODUCTS = "Ixy", "Ixz", "Iyz"
-#: Words for a tensor of a body that turns freely: its motion shows only the ratios of moments.
+#: Words added for a body that turns freely, as its motion shows only the ratios of its moments.
 UP_TO_A_FACTOR = ", up to a factor"
 _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_momentum)
 
 
 def vector(numbers: Sequence[float]) -> str:
-    """Return numbers as text in brackets; those as small as rounding are written as 0."""
+    """Return numbers as text in brackets; zeros but for rounding are written as 0."""
     least = ROUNDING * max(map(abs, numbers))
     return f"[{', '.join(f'{n if abs(n) > least else 0.0:.7g}' for n in numbers)}]"
 
 
 def _fitted_vector(numbers: Sequence[float]) -> str:
-    """Return fitted numbers as text in brackets; those as small as a fit's errors are 0."""
+    """Return fitted numbers as text in brackets; zeros but for errors of the fit are written as 0.
+
+    These are smaller than 10⁻⁶ of the largest number.
+    """
     least = 10.0**-DIGITS * max(map(abs, numbers))
     return vector([n if abs(n) > least else 0.0 for n in numbers])
 
 
 def _factor(numbers: Sequence[float]) -> str:
-    """Return the factor 1 + change as text, with enough digits to show the change."""
+    """Return the factor 1 + change as text, with enough digits to show the change.
+
+    Parameters
+    ----------
+    numbers : the change alone
+    """
     (change,) = numbers
     return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
 
@@ -59,13 +67,18 @@ def _slowed(numbers: Sequence[float]) -> str:
 
 
 def _decays(numbers: Sequence[float]) -> str:
-    """Return the words for a rate a + b ‖ω‖, 1/s, at which L decays; `numbers` are a and b."""
+    """Return the words for a rate at which L decays, a + b ‖ω‖, 1/s; `numbers` are a and b."""
     a, b = numbers
     return f"{a:.3g} {'-' if b < 0 else '+'} {abs(b):.3g} ‖ω‖"
 
 
 def _power(numbers: Sequence[float]) -> str:
-    """Return the words for a drag torque: its size, N m, at 1 rad/s, times a power of ‖ω‖."""
+    """Return the words for a drag torque that grows as a power of ‖ω‖.
+
+    Parameters
+    ----------
+    numbers : the torque at 1 rad/s, N m, and the exponent
+    """
     size, power = numbers
     rounded = round(power, DIGITS) + 0.0
     return f"{size:.4g} ‖ω‖^{rounded:.4g} N m" if rounded else f"dry friction of {size:.4g} N m"
@@ -87,23 +100,33 @@ def _axes(numbers: Sequence[float]) -> str:
 
 
 def _components(numbers: Sequence[float]) -> str:
-    """Return components of ω, each given by its axis, counted from one, with a sign."""
+    """Return the names of components of ω as one text, such as "ωy, −ωx, ωz".
+
+    Parameters
+    ----------
+    numbers : axis of each component, counted from one, negative if the component's sign is reversed
+    """
     return ", ".join(f"{'−' if n < 0 else ''}ω{_axes([abs(n) - 1])}" for n in numbers)
 
 
 def _products(numbers: Sequence[float]) -> str:
-    """Return the names of the products of inertia whose sign is −1.
+    """Return the names of the products of inertia whose sign is reversed.
 
     Parameters
     ----------
-    numbers : the signs of Ixy, Ixz and Iyz
+    numbers : 1 or −1 for Ixy, Ixz and Iyz each; −1 if the sign is reversed
     """
     pairs = zip(numbers, PRODUCTS, strict=True)
     return " and ".join(name for sign, name in pairs if sign < 0)
 
 
 def _exchanged(numbers: Sequence[float]) -> str:
-    """Return names of products of inertia, each given by its place in Ixy, Ixz, Iyz, from zero."""
+    """Return the names of the products of inertia in another order, such as "Ixz, Ixy and Iyz".
+
+    Parameters
+    ----------
+    numbers : index of each in Ixy, Ixz, Iyz, from zero
+    """
     names = [PRODUCTS[int(k)] for k in numbers]
     return f"{', '.join(names[:2])} and {names[2]}"
 
@@ -113,7 +136,8 @@ def _entry(numbers: Sequence[float]) -> str:
 
     Parameters
     ----------
-    numbers : index of the entry in xx, yy, zz, xy, xz, yz, its value, and the value's error, kg m²
+    numbers : index of the entry in xx, yy, zz, xy, xz, yz, from zero; the wrong value, kg m²; and
+        the error of this value, kg m²
     """
     at, value, off = numbers
     name, how = ("Ixx", "Iyy", "Izz", *PRODUCTS)[int(at)], "more" if off > 0 else "less"
@@ -125,7 +149,7 @@ def _permuted(numbers: Sequence[float]) -> str:
 
     Parameters
     ----------
-    numbers : three moments, kg m², and the three moments, kg m², along whose axes they are put
+    numbers : the three moments in the wrong order, kg m², and then in the right order, kg m²
     """
     return f"{vector(numbers[:3])} kg m² along the axes of {vector(numbers[3:])}"
 
@@ -135,13 +159,13 @@ def _gradient(numbers: Sequence[float]) -> str:
 
     Parameters
     ----------
-    numbers : the size, 1/s², and the axis
+    numbers : the size of the gradient, 1/s², and a unit vector along its axis
     """
     return f"{numbers[0]:.4g} /s² along {vector(numbers[1:])}"
 
 
 def _gradient_tensor(numbers: Sequence[float]) -> str:
-    """Return the words for a gravity gradient's tensor: size and axis, if it has one, else entries.
+    """Return the words for a gravity gradient: size and axis if symmetric about one, else entries.
 
     Parameters
     ----------
@@ -153,7 +177,7 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
     if min(below, above) > ALIKE * max(below, above):
         return f"{vector(numbers)} /s² along world axes, for xx − zz, yy − zz, xy, xz and yz,"
     k = 2 if below < above else 0
-    # Which way an axis points does not matter.
+    # The axis has no direction: its largest component is made positive.
     axis = axes[:, k] * np.sign(axes[np.argmax(np.abs(axes[:, k])), k])
     return _gradient([sizes[k] - sizes[1], *axis])
 
@@ -161,8 +185,8 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
 def _by_attitude(numbers: Sequence[float]) -> str:
     """Return the words for a torque that depends on the attitude: Σᵢ P eᵢ × Rᵀ eᵢ, N m, body axes.
 
-    R takes body to world components, and eᵢ are the unit vectors. If the torque is that of a dipole
-    in a field, or of a spring, the words name it.
+    R takes body to world components, and the eᵢ are the unit vectors. A torque is described as that
+    of a dipole in a field, or of a spring, if it has this form.
 
     Parameters
     ----------
@@ -172,7 +196,7 @@ def _by_attitude(numbers: Sequence[float]) -> str:
     of_body, sizes, of_world = np.linalg.svd(P)
     first, size = float(sizes[0]), float(sizes.mean())
     if sizes[1] < ALIKE * first:
-        # Which of both is reversed does not matter.
+        # m × b stays the same if both signs are reversed.
         sign = 1.0 if of_body[np.argmax(np.abs(of_body[:, 0])), 0] > 0 else -1.0
         m, b = (vector((sign * one).tolist()) for one in (of_body[:, 0], of_world[0]))
         return (
@@ -193,7 +217,7 @@ def _tilted(numbers: Sequence[float]) -> str:
 
     Parameters
     ----------
-    numbers : the angle of the tilt, °, and the tilted gravity, m/s²
+    numbers : the angle of the tilt, °, and the tilted gravity, m/s², three components
     """
     angle, *gravity = numbers
     return (
@@ -203,11 +227,12 @@ def _tilted(numbers: Sequence[float]) -> str:
 
 
 def _by_angle(numbers: Sequence[float]) -> str:
-    """Return the words for a spring's torque, in proportion to the angle from its attitude of rest.
+    """Return the words for the torque of a torsion spring, proportional to the angle from rest.
 
     Parameters
     ----------
-    numbers : stiffness, N m a radian, and the quaternion at rest, w x y z
+    numbers : stiffness, N m/rad, and the attitude at which the spring is at rest, a quaternion
+        w x y z
     """
     k, *q_rest_wxyz = numbers
     at = vector([round(q, DIGITS) + 0.0 for q in q_rest_wxyz])
@@ -223,12 +248,12 @@ class Kind:
 
     Attributes
     ----------
-    template : words for a change of this kind, with one pair of braces in place of its numbers
+    template : words for a change of this kind, with a pair of braces for its numbers, if it has any
     count : how many numbers a change of this kind has
-    shown : returns these numbers as text
-    is_kinematic : whether the change is of how the attitude follows ω, not of how ω changes
-    special : by a value of the first number, words that are used in place of the template; empty
-        words do not count
+    shown : function that returns these numbers as text
+    is_kinematic : whether the change is in how the attitude follows from ω, not in how ω changes
+    special : words that replace the template if the first number has a given value, by that value;
+        ignored if empty
     """
 
     template: str
@@ -238,20 +263,25 @@ class Kind:
     special: Mapping[float, str] = field(default_factory=dict)
 
     def words(self, numbers: Sequence[float]) -> str:
-        """Return the change in words, which follow "as if"."""
+        """Return a change of this kind in words, which follow "behaves as if".
+
+        Parameters
+        ----------
+        numbers : the numbers of the change, SI
+        """
         if not numbers:
             return self.template
         return self.special.get(numbers[0]) or self.template.format(self.shown(numbers))
 
 
 def _of_factor(template: str, none: str = "", reversed_: str = "") -> Kind:
-    """Return a kind of change that multiplies a term by a factor.
-
-    Its number is the factor less 1.
+    """Return a kind of change that multiplies a term by a factor; its number is the factor − 1.
 
     Parameters
     ----------
-    none, reversed_ : other words for the factors 0 and −1
+    template : words with a pair of braces for the factor
+    none : words for the factor 0; if empty, the template is used
+    reversed_ : words for the factor −1; if empty, the template is used
     """
     return Kind(template, 1, _factor, special={-1.0: none, -2.0: reversed_})
 
@@ -289,7 +319,7 @@ KINDS = {
     "turning by a matrix": Kind(
         "it turns as if ω were multiplied by the matrix of rows {}", 9, is_kinematic=True
     ),
-    # The gyroscopic torque; the number of the first is how much of it is missing.
+    # The gyroscopic torque. The number of "gyroscopic" is the fraction of it that is missing.
     "gyroscopic": Kind(
         _GYROSCOPIC + "{} times as strong",
         1,

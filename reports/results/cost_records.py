@@ -1,4 +1,4 @@
-"""Measured times of a step."""
+"""Records of the measured cost of a step."""
 
 from dataclasses import dataclass
 
@@ -7,11 +7,12 @@ from .records import MethodKey, Record, Size, Variation, varied_in
 
 @dataclass(frozen=True)
 class Ratio:
-    """The ratio of the times of a step of two engines that are timed in turn, round by round.
+    """The ratio of the CPU times of a step of two engines that are timed in turn.
 
     Attributes
     ----------
-    median, spread : median and interquartile range of the ratio over the rounds
+    median, spread : median and interquartile range of the ratio, over the rounds in which each
+        engine is timed once
     """
 
     median: Size
@@ -26,9 +27,9 @@ class StepCost:
     ----------
     seconds_per_step : CPU seconds of all threads; the minimum over the repeats
     seconds_spread : maximum minus minimum over the repeats, CPU seconds
-    wall_seconds_per_step : the minimum of the wall time; shorter than the CPU time only if threads
-        share the work, longer if another program had the processor
-    ratio : for a varied engine, its time over that of the engine as it is
+    wall_seconds_per_step : the minimum of the wall time, s; it is shorter than the CPU time only if
+        threads share the work, and longer if another program used the processor
+    ratio : for a varied engine, its CPU time over that of the unvaried engine; else None
     """
 
     seconds_per_step: Size
@@ -43,12 +44,14 @@ class MethodCost(Record):
 
     Attributes
     ----------
+    processor : name of the processor
     cost : None if the steps cannot be timed
     variation : JSON that says how the engine is varied; empty if it is not
-    difference : the largest difference of any number of the state between the engine that leaves
-        nothing out and the engine as it is by default, SI; 0 if the motions are identical
+    difference : for an engine that is varied to leave nothing out, the largest difference of any
+        component of its state from that of the unvaried engine, SI; 0 if the motions are identical;
+        None if they were not compared
     compared_until : time up to which the two motions were compared, s; the end of the window unless
-        one of them diverged
+        an engine failed before. None if they were not compared
     """
 
     key: MethodKey
@@ -60,5 +63,5 @@ class MethodCost(Record):
 
     @property
     def left_in(self) -> tuple[str, ...]:
-        """The names of what this engine did that it leaves out by default."""
+        """The names of the passes that the engine was varied to make, and leaves out by default."""
         return tuple(varied_in(self.variation).get("left_in", ()))

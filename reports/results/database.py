@@ -1,9 +1,8 @@
 """A connection to a result file that several threads share; records are mappings by column name.
 
-Every record has a checksum (`checksum`). Control characters in texts are escaped on the way in and
-out, so that nothing in a result file controls a terminal.
-
-A checksum detects accidental changes. It is no signature: whoever forges a record can compute it.
+Every record has a checksum (`checksum`). It detects accidental changes, but it is no signature:
+whoever forges a record can compute its checksum. Control characters in texts are escaped when they
+are written and when they are read, so that no text in a result file controls a terminal.
 """
 
 import json
@@ -23,10 +22,15 @@ CHECKSUM = "checksum"
 
 
 def checksum(table: str, record: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of a record's texts and numbers as SQLite returns them, hexadecimal.
+    """Return the SHA-256, hexadecimal, of the texts and numbers that SQLite stores of a record.
 
     Motions are left out: they may be dropped later, and their archives have checksums of their own
-    (CRC-32, as every zip file).
+    (CRC-32, as in every zip file).
+
+    Parameters
+    ----------
+    table : name of the table
+    record : the values, by column
     """
     content = {
         name: _as_stored(value)
@@ -39,7 +43,7 @@ def checksum(table: str, record: Mapping[str, Any]) -> str:
 
 
 def _as_stored(value: Any) -> str | float | None:
-    """Return a value as SQLite returns it: NaN as None, −0 as 0, a bool or 1.0 as the number 1."""
+    """Return a value as SQLite would return it: NaN as None, −0 as 0, other numbers as floats."""
     if isinstance(value, str):
         return value
     number = float(value) + 0.0
@@ -47,7 +51,7 @@ def _as_stored(value: Any) -> str | float | None:
 
 
 class Database:
-    """A connection that makes queries and transactions, one at a time.
+    """A connection to a result file that makes queries and transactions, one at a time.
 
     Parameters
     ----------
@@ -66,10 +70,11 @@ class Database:
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """Yield the connection; all that the block writes is stored, or nothing of it."""
+        """Yield the connection; if the block raises, nothing that it has written is stored."""
         with self._one_at_a_time, self._connection:
             yield self._connection
-            # A new value in the log with every transaction (`result_file`).
+            # This writes the page with the session's name into the log, so that every log shows to
+            # which file it belongs (`result_file._check_log`).
             self._connection.execute("UPDATE file SET commits = commits + 1")
             self._check()
 
@@ -81,7 +86,7 @@ class Database:
         Parameters
         ----------
         where, order : the condition and the order, in SQL
-        values : values for the condition's question marks
+        values : values of the condition's parameters, its question marks
 
         Raises
         ------
@@ -101,7 +106,7 @@ class Database:
 
 
 def put(connection: sqlite3.Connection, table: str, record: Mapping[str, Any]) -> None:
-    """Write a record into a table; it replaces a record with the same key."""
+    """Write a record, with its checksum, into a table; a record with the same key is replaced."""
     written = {n: shown(value) if isinstance(value, str) else value for n, value in record.items()}
     written[CHECKSUM] = checksum(table, written)
     columns = ", ".join(f'"{name}"' for name in written)
@@ -110,7 +115,7 @@ def put(connection: sqlite3.Connection, table: str, record: Mapping[str, Any]) -
 
 
 def shown(text: str) -> str:
-    """Return the text with control characters escaped, except tabs and line ends."""
+    """Return a text with its control characters escaped, except tabs and line ends."""
     if text.isprintable():
         return text
     lines = ("\t".join(map(printable, line.split("\t"))) for line in text.split("\n"))
@@ -118,10 +123,10 @@ def shown(text: str) -> str:
 
 
 def _text(content: bytes) -> str:
-    """Return a text from a result file, even if its bytes are not valid UTF-8."""
+    """Return the text of bytes from a result file; bytes that are not UTF-8 are escaped."""
     return shown(content.decode(errors="backslashreplace"))
 
 
 def _named(record: sqlite3.Row) -> str:
-    """Return the first three values of a record, which tell what it is about."""
+    """Return the first three values of a record as one text, which identifies it in a message."""
     return printable(", ".join(str(value) for value in tuple(record)[:3]), 100)

@@ -1,4 +1,7 @@
-"""The effect of each default of an engine on the motion of a scene, by runs with some of them."""
+"""The effect of each of an engine's defaults on the motion of a scene, from runs with and without.
+
+A default is something that the engine does to motions unless it is told not to.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -6,7 +9,7 @@ from dataclasses import dataclass
 from ...scenarios import Errors
 from .records import Key, Row
 
-#: Name of the entry in a run's variation that lists the defaults which are kept.
+#: Name of the entry in a run's variation that lists the names of the defaults that are kept.
 DEFAULTS = "defaults"
 
 
@@ -19,8 +22,8 @@ class DefaultEffect:
     name : the engine's own name for the default
     alone : errors with this default and no other; None if the run did not finish
     without : errors with all defaults but this one; None if the run did not finish
-    acts : whether this default by itself alters the equations of motion, in steps however short;
-        None if unknown, as when steps do not obey the equations of motion even without any default
+    acts : whether this default by itself alters the equations of motion, so that even the shortest
+        steps do not obey them; None if unknown, or if steps do not obey them without any default
     """
 
     name: str
@@ -35,8 +38,8 @@ class DefaultEffects:
 
     Attributes
     ----------
-    timestep : s
-    none, all : errors with none and with all of the defaults; None if the run did not finish
+    timestep : of all runs, s
+    none, all : errors with none and with all of the defaults; None if that run did not finish
     each : the effect of each default
     """
 
@@ -48,15 +51,15 @@ class DefaultEffects:
 
 
 def default_effects(rows: Iterable[Row], varied: Iterable[Row]) -> list[DefaultEffects]:
-    """Return the effects of defaults, for each method and scene where they were measured.
+    """Return the effects of defaults, for each method and scene for which they were measured.
 
     There is an entry for each timestep at which the method has both a run with all of its defaults
     and one with none.
 
     Parameters
     ----------
-    rows : runs of engines as they are, among them those as shipped
-    varied : runs of varied engines, among them those with some defaults only
+    rows : runs in which nothing is varied, among them those of methods as shipped
+    varied : runs in which something is varied, among them those with only some defaults
     """
     as_shipped = {(row.key, row.timestep): row for row in rows}
     found: dict[tuple[Key, float], dict[tuple[str, ...], Row]] = {}
@@ -76,11 +79,15 @@ ALL = ("all",)
 
 
 def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row]) -> DefaultEffects:
-    """Return the effects of the defaults, given runs by the names of the defaults they keep.
+    """Return the effects of the defaults of a method.
 
-    There must be a run with none, `()`, and one with all, `ALL`. The run with all takes the
-    place of a missing run with one default alone, and the run with none that of a missing run with
-    all but one.
+    If the run with one default alone is missing, the run with all is used instead. If the run with
+    all but one is missing, the run with none is used instead.
+
+    Parameters
+    ----------
+    by_names : the runs, by the names of the defaults that they keep; one keeps none, with the key
+        `()`, and one all, with the key `ALL`
     """
     names = dict.fromkeys(name for some in by_names if some != ALL for name in some)
     each = []

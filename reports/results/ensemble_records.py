@@ -1,4 +1,4 @@
-"""What an ensemble is: a scene whose start and body are scattered at random."""
+"""Records of ensembles: scenes whose start and body are scattered at random."""
 
 import math
 from collections import defaultdict
@@ -19,11 +19,12 @@ MAX_SEED = (1 << 128) - 1
 
 @dataclass(frozen=True)
 class EnsemblePoint:
-    """The identity of a member of an ensemble, and the timestep of its runs.
+    """A member of an ensemble, identified by numbers, and the timestep of its runs.
 
     Attributes
     ----------
-    seed, number : seed of the ensemble, and number of the member in it
+    seed : seed of the ensemble
+    number : number of the member in the ensemble, from 0
     timestep : s; None for each engine's stock timestep
     """
 
@@ -33,7 +34,7 @@ class EnsemblePoint:
 
     @property
     def varied(self) -> dict[str, float]:
-        """The seed, the member's number and any timestep, which identify the member's runs."""
+        """What identifies the member's runs, by name: seed, number, and timestep unless None."""
         parts: dict[str, float] = {"seed": self.seed, "member": self.number}
         return parts if self.timestep is None else {**parts, "timestep": self.timestep}
 
@@ -50,7 +51,7 @@ _Timestep = Annotated[float, Field(gt=0, lt=math.inf)]
 class Ensemble:
     """An ensemble: a scene whose start and body are scattered at random.
 
-    A member depends on the seed and its number alone, not on the number of members.
+    A member depends only on the seed and on its own number, not on the number of members.
 
     Attributes
     ----------
@@ -66,19 +67,19 @@ class Ensemble:
     timestep: _Timestep | None
 
     def __len__(self) -> int:
-        """How many members there are."""
+        """Return the number of members."""
         return self.members
 
     def points(self) -> Iterator[EnsemblePoint]:
-        """Yield each member's identity, by seed and number, with the timestep of its runs."""
+        """Yield all members, each with the timestep of its runs."""
         return map(self._member, range(self.members))
 
     def point(self, parts: Mapping[str, Any]) -> EnsemblePoint | None:
-        """Return the member to which a stored run belongs; None if no member of this ensemble.
+        """Return the member of this ensemble to which a stored run belongs; None if to none.
 
         Parameters
         ----------
-        parts : what identifies the run, as `EnsemblePoint.varied` returns it
+        parts : the values that identify the run (`EnsemblePoint.varied`)
         """
         number = parts.get("member")
         if type(number) is not int or not 0 <= number < self.members:
@@ -91,13 +92,19 @@ class Ensemble:
         return f"{self.members} members of seed {self.seed}"
 
     def _member(self, number: int) -> EnsemblePoint:
-        """Return the identity of the member with a number."""
+        """Return the member with a given number."""
         return EnsemblePoint(self.seed, number, self.timestep)
 
 
 @dataclass(frozen=True)
 class DefinedEnsemble(Record):
-    """An ensemble that a user asked for, and the file of the scene that is scattered."""
+    """An ensemble that a user asked for, and the scene that is scattered.
+
+    Attributes
+    ----------
+    scenario : the scene's name
+    toml : the text of the scene's file
+    """
 
     scenario: SceneName
     ensemble: Ensemble
@@ -122,7 +129,7 @@ class EnsembleResult:
 
     Attributes
     ----------
-    points : the runs, member by member
+    points : the rows of the runs, sorted by member, engine and method
     """
 
     ensemble: Ensemble
@@ -136,7 +143,7 @@ def swept(stored: Iterable[DefinedEnsemble], points: Iterable[Row]) -> list[Ense
     Parameters
     ----------
     stored : the definitions of the ensembles
-    points : all stored runs of members
+    points : the stored runs in which something is varied
 
     Raises
     ------
@@ -153,9 +160,11 @@ def swept(stored: Iterable[DefinedEnsemble], points: Iterable[Row]) -> list[Ense
 
 
 def points_of(ensemble: Ensemble, stored: Iterable[Row]) -> tuple[Row, ...]:
-    """Return the runs of an ensemble among those stored for its scene, member by member.
+    """Return the runs of an ensemble's members, sorted by member, engine and method.
 
-    All stored runs are searched, and not all members, because few members may have been run.
+    Parameters
+    ----------
+    stored : the runs of the ensemble's scene in which something is varied
     """
     found = [row for row in stored if ensemble.point(row.varied) is not None]
     return tuple(sorted(found, key=lambda row: (row.varied["member"], row.pair)))

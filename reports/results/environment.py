@@ -1,4 +1,4 @@
-"""Describes where results come from: machine, operating system, versions."""
+"""Describes the environment in which results are made: machine, operating system, versions."""
 
 import os
 import platform
@@ -13,7 +13,7 @@ PACKAGES = ("spincheck", "numpy", "scipy", "numba", "mpmath")
 
 
 def environment(engines: Iterable[Engine], max_steps: int | None = None) -> dict[str, str]:
-    """Return the names and values of all that results may depend on: machine, system, versions.
+    """Return what results may depend on, as texts by name: machine, operating system, versions.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """The evidence that a method on a scene is judged by, besides its runs: numbers, no sentences.
 
-The numbers can be judged again, and put in other words, without a run.
+So it can be judged again, or put in other words, without another run.
 """
 
 from dataclasses import dataclass
@@ -11,26 +11,27 @@ from pydantic import Field, model_validator
 from .change_words import KINDS
 from .records import Count, MethodKey, Record, Signed, Size
 
-#: Probability with which any one check wrongly accuses a method that converges.
+#: Probability with which one check finds a fault in a method that converges.
 LEVEL = 1e-9
-#: Largest standard error of the limit of what steps gain, relative to the largest terms: over ten
-#: radians an error of this size comes to a hundredth, which a user would see.
+#: Largest standard error of the gains' limit with which a verdict is possible, relative to the
+#: largest terms of the equations of motion: while the body turns by ten radians, an error of this
+#: size adds up to 0.01 rad, which a user would see.
 CONSISTENT = 1e-3
-#: Largest standard error of that limit, relative to the weakest effect of the scene: a missing
-#: effect must be seen.
+#: Largest standard error of that limit, relative to the weakest effect of the scene: it must be
+#: small enough to show that an effect is missing.
 SEEN = 0.1
-#: The quantities whose gain in a step is judged, in order; the last one only if parts turn in the
-#: body. See `measuring/steps.py`.
+#: The quantities whose gains are judged, in order. The last, the angular momentum of parts that
+#: turn in the body, is judged only if there are such parts (`measuring/steps.py`).
 Quantity = Literal["attitude", "angular momentum", "velocity", "place", "parts"]
 QUANTITIES: tuple[Quantity, ...] = ("attitude", "angular momentum", "velocity", "place", "parts")
 #: A vector, SI units.
 Vector = tuple[Signed, Signed, Signed]
 #: Ways in which steps differ from those of a method that converges.
 #:
-#: limit : as the timestep shrinks, gains tend to something else than zero
+#: limit : as the timestep vanishes, gains do not tend to zero
 #: timestep : at one timestep gains are not those that the other timesteps predict
-#: shorter : from one timestep down gains tend to something else
-#: leap : a step changes the state by as much however short it is
+#: shorter : below some timestep, gains no longer tend to zero
+#: leap : the error of a step stays as large however short the step is
 #: misread : a state reads back differently from how it was set, before any step
 #: random : gains differ when the same step is taken again
 FaultKind = Literal["limit", "timestep", "shorter", "leap", "misread", "random"]
@@ -38,14 +39,20 @@ FaultKind = Literal["limit", "timestep", "shorter", "leap", "misread", "random"]
 
 @dataclass(frozen=True)
 class Explanation:
-    """A change of the equations of motion or of reading: one of `KINDS`, and its numbers, SI."""
+    """A change of the equations of motion, or of how states are read, that explains a fault.
+
+    Attributes
+    ----------
+    kind : the kind of change, one of `KINDS`
+    numbers : the numbers that a change of this kind has, SI
+    """
 
     kind: str
     numbers: tuple[Signed, ...]
 
     @model_validator(mode="after")
     def _is_known(self) -> "Explanation":
-        """Return the change; raise ValueError unless its kind is known and has as many numbers."""
+        """Return the change; raise ValueError unless kind and number of `numbers` are valid."""
         if self.kind not in KINDS:
             raise ValueError("must be of a known kind")
         if len(self.numbers) != KINDS[self.kind].count:
@@ -66,13 +73,13 @@ class StepFault:
     ----------
     kind : how the steps differ, see `FaultKind`
     quantity : the quantity that shows the difference best
-    time : time of the state that shows it best, s; None if that is the start with ω along a skew
-        axis
-    timestep : timestep at which it shows, s
-    got, wanted : the rate at which the quantity changes, and the rate at which it should; for
-        `leap` and `misread` how far the state is off, for `random` by how much the rate differs
-        when the same step is taken again
-    changes : changes that explain the gains of all states; empty if no single change and no two do
+    time : time of the exact state that shows it best, s; None if this is the start with ω turned to
+        an axis that is no principal axis
+    timestep : timestep at which the difference shows, s
+    got, wanted : the rate at which the quantity changes, and the rate at which it should change.
+        `got` is how far the state is off for `leap` and `misread`, and how much the rates of two
+        equal steps differ for `random`
+    changes : one or two changes that explain the gains of all states; empty if none are found
     """
 
     kind: FaultKind
@@ -88,16 +95,16 @@ class StepFault:
 class GainCurve:
     """The gains of one quantity at J timesteps, for a figure.
 
-    They are relative to the largest terms of the equations of motion. The state from which the
-    steps are taken is the one whose gains are the least likely, except for `largest`.
+    All are relative to the largest terms of the equations of motion. All but `largest` are of the
+    one state whose gains are the least probable.
 
     Attributes
     ----------
     timesteps : s, long to short, (J,)
-    gains : sizes of the gains, (J,)
-    predicted, predicted_to : sizes of the gains predicted from longer timesteps, and the standard
-        deviation of the prediction, (J,)
-    largest : the largest gain of any state, (J,)
+    gains : norms of the gains, (J,)
+    predicted, predicted_to : norms of the gains that longer timesteps predict, and the standard
+        deviations of the predictions, (J,)
+    largest : the largest norm of the gains of all states, (J,)
     """
 
     quantity: Quantity
@@ -109,7 +116,7 @@ class GainCurve:
 
     @model_validator(mode="after")
     def _is_a_table(self) -> "GainCurve":
-        """Return the curve; raise ValueError unless all columns are of one length."""
+        """Return the curve; raise ValueError unless there is one value for each timestep."""
         columns = self.gains, self.predicted, self.predicted_to, self.largest
         if any(len(column) != len(self.timesteps) for column in columns):
             raise ValueError("must have one value a timestep throughout")
@@ -121,8 +128,9 @@ def is_known(known_to: float, of_an_effect: float) -> bool:
 
     Parameters
     ----------
-    known_to, of_an_effect : the limit's standard error, or its size if that is larger, relative to
-        the largest terms, and to the weakest effect of the scene
+    known_to : the limit's standard error, or its size if that is larger, relative to the largest
+        terms of the equations of motion
+    of_an_effect : the same, relative to the weakest effect of the scene
     """
     return known_to <= CONSISTENT and of_an_effect <= SEEN
 
@@ -133,20 +141,21 @@ class StepEvidence:
 
     Attributes
     ----------
-    states : number of states
+    states : number of states from which steps were taken
     tail : the probability of gains as unlikely as these, if the steps are those of a method that
         converges: the smallest tail times the number of tails (Bonferroni)
-    known_to, of_an_effect : the standard error of the gains' limit, or its size if that is larger,
-        relative to the largest terms, and to the weakest effect of the scene
-    order, declared : the least order that gains show, and the declared order, which is 0 in single
-        precision, where rounding hides it
-    curves : one for each quantity that is not zero throughout
+    known_to : the standard error of the gains' limit, or the limit's size if that is larger,
+        relative to the largest terms of the equations of motion
+    of_an_effect : the same, relative to the weakest effect of the scene
+    order : the least order at which gains vanish with the timestep
+    declared : the declared order; 0 in single precision, where rounding hides it
+    curves : one for each quantity whose gains are not all zero
     fault : how the steps differ from those of a method that converges; None if they do not
-    settled : number of steps taken before those examined, in which a constraint settled
-    changes_below : timestep below which gains are another function of the timestep, which vanishes
-        as well, s; 0 if there is none
-    beyond_from : the shortest timestep beyond the radius of convergence of the gains' series in
-        some state, s; 0 if none is
+    settled : number of steps taken before each examined step, so that a constraint settles
+    changes_below : timestep below which gains are another function of the timestep, which also
+        vanishes, s; 0 if there is none
+    beyond_from : the shortest timestep that is beyond the radius of convergence of the gains'
+        series in any state, s; 0 if none is
     """
 
     states: Count
@@ -174,18 +183,18 @@ class StepEvidence:
 
 @dataclass(frozen=True)
 class ReplayEvidence:
-    """Evidence from a run's intervals, each run again from its own start and compared with the run.
+    """Evidence from the replays of one run: differences between its intervals and their replays.
 
     Attributes
     ----------
     timestep : timestep of the run, s
-    intervals : number of intervals
+    intervals : number of intervals that were replayed
     tail : the probability of differences as large as these, if a step depends only on the state
-    off : the largest difference for each radian turned, rad or relative to ω
+    off : the largest difference per radian turned, of attitude in rad, or of ω relative
     since : start of the first interval that differs, s; None if none does
-    spread : difference of two runs of one interval, in the unit of `off`; 0 if the engine is
+    spread : difference of two replays of one interval, in the unit of `off`; 0 if the engine is
         deterministic
-    order : order at which the differences vanish with the timestep; 0 if they do not
+    order : order at which the differences vanish with the timestep; 0 if they do not vanish
     declared : the declared order of accuracy
     """
 
@@ -200,11 +209,12 @@ class ReplayEvidence:
 
     @property
     def is_wrong(self) -> bool:
-        """Whether replays and run differ by more than noise, and not by a harmless memory.
+        """Whether replays and run differ by more than noise or a harmless memory explain.
 
-        A memory is harmless if what it changes vanishes with the timestep at a sufficient order.
+        A memory is harmless if what it changes vanishes with the timestep at the declared order, or
+        at one order less.
         """
-        # What a restart lacks is lacking once, not in every step: one order less is enough.
+        # A restart forgets once, and not in every step, so that one order less is sufficient.
         return self.tail < LEVEL or 0 < self.order < self.declared - 1
 
 
@@ -214,10 +224,10 @@ class Evidence(Record):
 
     Attributes
     ----------
-    steps : evidence from steps from exact states; None if the method cannot be opened there
-    own_steps : evidence from steps from states of its own runs; None if none were taken
-    replays : evidence from replays of its runs, one for each run that was replayed
-    refusal : why the runs could not be replayed, in the engine's words; else empty
+    steps : evidence from steps from exact states; None if none could be taken
+    own_steps : evidence from steps from states of the method's runs; None if none were taken
+    replays : evidence from replays, one for each run that was replayed
+    refusal : why steps could not be examined or runs not replayed, in words; else empty
     """
 
     key: MethodKey

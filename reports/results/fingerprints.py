@@ -1,7 +1,7 @@
-"""Digests of what results rest on: a result whose digest has changed since does not count.
+"""Digests of what results rest on: a result is outdated if its digest has changed since.
 
-Sources count by their meaning, without docstrings, comments and layout, and only those that a
-result can rest on: the modules that decide about it, and all that these import.
+Of the program's modules, only those that a result can depend on are included: the modules that
+compute it, and all that these import. Their docstrings, comments and layout do not matter.
 """
 
 import inspect
@@ -21,10 +21,10 @@ _ROOTS = {
     name: Path(import_module(f"...{name}", __package__).__path__[0])
     for name in ("scenarios", "reference", "engines", "reports")
 }
-#: Name of the module through which adapters import the interface.
+#: Name of the module from which adapters import the interface of engines.
 _INTERFACE = "engine"
 _ROOTS[_INTERFACE] = Path(import_module(_PROGRAM).__path__[0]) / _INTERFACE
-#: By the kind of result, the modules that determine it, with all that these import.
+#: The modules that determine each kind of result, together with all that these import.
 DECIDING = {
     "motion": ("reference.solve",),
     "run": (
@@ -41,18 +41,20 @@ DECIDING = {
     "timing": ("reports.harness.costs.timing",),
     "verdict": ("reports.harness.convergence_study", "reports.harness.judging.verdict"),
 }
-#: Beginnings of the names of modules that judge the numbers of runs. They also decide how far down
-#: a ladder is run, but the numbers of a run do not depend on them: they count for verdicts alone.
+#: First parts of the names of modules that judge the numbers of runs. They also decide where a
+#: ladder ends, but the numbers of a run do not depend on them: only verdicts rest on them.
 JUDGING = ("reports.harness.judging", "reports.harness.convergence_study", "reports.harness.plan")
-#: The package that stores results, and those of its modules that decide about results nevertheless.
+#: The package that stores results, on which no result depends; and those of its modules on which
+#: verdicts depend nevertheless.
 _STORING, _RULING = "reports.results", ("reports.results.verdict_words", "reports.results.evidence")
 
 
 def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fingerprint]:
     """Yield the digests of all that results of a scene depend on.
 
-    Some hold for all engines, the others for one engine each. The digest of an engine at another
-    version includes the name of its folder, which ends with the Python that it runs under.
+    There is one for each kind of result, of scene and program, and one for each engine. The digest
+    of an engine at another version includes the name of its folder, which ends with the version of
+    Python that it runs under.
     """
     scene = {"motion": scenario.digest, "verdict": scenario.judged_digest}
     for kind in DECIDING:
@@ -65,17 +67,17 @@ def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fing
 
 @cache
 def program(kind: str) -> str:
-    """Return the digest of all modules that decide about a kind of result."""
+    """Return the digest of all modules on which a kind of result depends (`DECIDING`)."""
     return _digest(_content(_file(name)) for name in sorted(modules(kind)))
 
 
 @cache
 def modules(kind: str) -> frozenset[str]:
-    """Return the names of the modules on which a kind of result depends, within this program.
+    """Return the names of this program's modules on which a kind of result depends.
 
     Parameters
     ----------
-    kind : one of `DECIDING`
+    kind : one of the keys of `DECIDING`
     """
     without = () if kind == "verdict" else JUDGING
     return _closure(DECIDING[kind], without)
@@ -83,9 +85,10 @@ def modules(kind: str) -> frozenset[str]:
 
 @cache
 def adapter(kind: type[Engine]) -> str:
-    """Return the digest of an adapter's module or package, and of all that it imports.
+    """Return the digest of an adapter's source, and of all modules of this program that it imports.
 
-    It is empty if the class has no source file.
+    It is empty if the class has no source file. If the adapter has a folder of its own, all Python
+    files in there are its source.
 
     Parameters
     ----------
@@ -106,13 +109,14 @@ def adapter(kind: type[Engine]) -> str:
 
 
 def _closure(names: Iterable[str], without: tuple[str, ...]) -> frozenset[str]:
-    """Return the names of modules and of all that they import, at any depth.
+    """Return the names of modules and of all modules that they import, at any depth.
 
-    Modules that store results are left out.
+    Modules that only store results are left out.
 
     Parameters
     ----------
-    without : beginnings of the names of further modules that are left out
+    names : names of the modules to begin with
+    without : first parts of the names of further modules that are left out
     """
     found: set[str] = set()
     left = list(names)
@@ -134,12 +138,12 @@ def _imported_by(name: str) -> tuple[str, ...]:
 
 
 def _imported(path: Path, package: str) -> Iterator[str]:
-    """Yield the names of this program's modules that a file imports, in functions too.
+    """Yield the names of this program's modules that a file imports, even inside functions.
 
     Parameters
     ----------
     path : the file
-    package : the package that the file is in
+    package : name of the package that the file is in
     """
     for one in source(path).imports:
         base = _base(one, package)
@@ -149,12 +153,12 @@ def _imported(path: Path, package: str) -> Iterator[str]:
 
 
 def _base(one: Import, package: str) -> str | None:
-    """Return the module or package that an import names; None if it is not of this program.
+    """Return the name of the module or package after `from`; None if it is not of this program.
 
     Parameters
     ----------
     one : the import
-    package : the package of the module that contains the import
+    package : name of the package that contains the importing module
     """
     if one.level:
         parts = package.split(".")
@@ -168,9 +172,15 @@ def _base(one: Import, package: str) -> str | None:
 
 @cache
 def _defining(base: str, name: str) -> str:
-    """Return the module that defines a name which is imported from another module or a package.
+    """Return the name of the module that defines a name imported from a module or package.
 
-    A package that only passes the name on, as the interface of adapters does, does not count.
+    If a package, or the interface of engines, has only imported the name itself, the module that it
+    was imported from is returned.
+
+    Parameters
+    ----------
+    base : name of the module or package that the name is imported from
+    name : the imported name, which may be that of a module
     """
     if _file(f"{base}.{name}").is_file():
         return f"{base}.{name}"
@@ -184,7 +194,7 @@ def _defining(base: str, name: str) -> str:
 
 
 def _file(name: str) -> Path:
-    """Return the path of a module, or of the `__init__.py` of a package, given its name."""
+    """Return the path of a module, or the path of a package's `__init__.py`, given its name."""
     root, *parts = name.split(".")
     folder = _ROOTS[root].joinpath(*parts)
     return folder / "__init__.py" if folder.is_dir() else folder.with_name(f"{folder.name}.py")
@@ -192,7 +202,7 @@ def _file(name: str) -> Path:
 
 @cache
 def _content(path: Path) -> str:
-    """Return the digest of a file; of a Python file without docstrings, comments and layout."""
+    """Return the digest of a file; docstrings, comments and layout of Python are left out."""
     if path.suffix != ".py":
         return _digest([path.read_bytes().hex()])
     return source(path).digest

@@ -15,23 +15,23 @@ _NAMES_ANOTHER = bytes.fromhex("d9d505f920a163d7")
 
 
 def check_journals(path: Path) -> None:
-    """Raise if a file that SQLite keeps beside a result file may not belong to that file.
+    """Raise if a file that SQLite keeps beside a result file may do harm to other files.
 
     It must be called before SQLite acts on those files. SQLite writes to '-wal' and '-shm', waits
     if one of them is a pipe, and undoes what '-journal' says was half written. If '-journal' ends
-    in the name of a super-journal, SQLite deletes the file of that name; it writes such a name only
-    where databases are attached, which is never done here
+    in the name of a super-journal, SQLite deletes the file of that name. SQLite writes such a name
+    only if databases are attached, which is never done here
     (https://www.sqlite.org/fileformat2.html, *The Rollback Journal*).
 
     Raises
     ------
     ResultFileError
-        If such a file is a link or no regular file, or names another file to be deleted.
+        If one of the files is a link or no regular file, or names another file to be deleted.
     """
     for suffix in ("-wal", "-shm", "-journal"):
         beside = path.with_name(f"{path.name}{suffix}")
         name = printable(beside.name)
-        # Another run may remove the file meanwhile.
+        # Another process may remove the file meanwhile.
         with suppress(FileNotFoundError):
             found = beside.lstat()
             if not stat.S_ISREG(found.st_mode) or found.st_nlink > 1:
@@ -64,7 +64,7 @@ def has_log(path: Path) -> bool:
 
 
 class ResultFileError(ValueError):
-    """A result file is missing, not one of ours, changed by others, or not writable."""
+    """A result file is missing, cannot be used, or was changed by another program."""
 
 
 #: The byte that is locked on Windows, beyond the end of any result file: a lock within the file
@@ -74,11 +74,11 @@ _BEYOND = 1 << 62
 
 @contextmanager
 def only_writer(path: Path) -> Iterator[Callable[[], None]]:
-    """Lock a result file, created if there is none, for its only writer, until the block ends.
+    """Lock a result file, so that only this process writes to it until the block ends.
 
-    The system releases the lock if this process dies. The lock is independent of those by which
-    SQLite coordinates readers and a writer. The block is given a function that raises
-    `ResultFileError` if the file has been removed or replaced since.
+    The file is created if there is none. The block gets a function that raises `ResultFileError` if
+    the file has been removed or replaced since it was locked. The system releases the lock if this
+    process dies. SQLite's own locks, which coordinate readers and a writer, are independent of it.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Records of where results come from: computer, engines, and what else they rest on."""
+"""Records of what results depend on: the computer, the engines, and digests of all else."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from .records import Name, Record, SceneName, Size
 
 @dataclass(frozen=True)
 class EnvironmentEntry(Record):
-    """Name and value of something that results may depend on."""
+    """Name and value of something that results may depend on, such as the version of a package."""
 
     name: str
     value: str
@@ -20,7 +20,9 @@ class DeclaredEngine(Record):
 
     Attributes
     ----------
-    methods, stock_timestep, single_precision : as in `Engine`
+    methods : the engine's methods
+    stock_timestep : s; None where users have to set a timestep
+    single_precision : whether the engine holds its state in floats of 24 bits
     """
 
     name: Name
@@ -42,8 +44,11 @@ class Fingerprint(Record):
 
     Attributes
     ----------
-    engine : the engine whose results depend on it; empty if those of all engines do
-    kind : the part: the exact motion, the program that makes runs, the engine, …
+    scenario : name of the scene
+    engine : name of the engine whose results depend on the part; empty if all engines' results do
+    kind : name of the part: a kind of result (`fingerprints.DECIDING`), whose modules decide on it,
+        or `engine`
+    digest : SHA-256, hexadecimal
     """
 
     scenario: SceneName

@@ -12,9 +12,9 @@ from .evidence import (
 )
 from .verdict_words import VerdictWord
 
-#: Digits printed of a number; more if a difference needs them.
+#: Number of significant digits that are printed; more where two numbers would look the same.
 DIGITS = 3
-#: Name of the rate of each quantity, with its unit.
+#: Name of the rate of change of each quantity, with its unit.
 RATES = {
     "attitude": "dR/dt, rad/s in body axes,",
     "angular momentum": "I dω/dt, N m in body axes,",
@@ -44,9 +44,10 @@ def reason_in_words(
     Parameters
     ----------
     word : the verdict
-    quoted : what a run, the engine or the scene's file says about it, in their own words
-    steps, own_steps : evidence from steps from exact states, and from states of its own runs
-    replays : evidence from replays of its runs
+    quoted : what a run, the engine or the scene's file states as the reason; may be empty
+    steps, own_steps : evidence from steps from exact states, and from states of the method's runs;
+        None if there is none
+    replays : evidence from replays of the method's runs
     """
     parts: list[str] = []
     if word == "disagrees":
@@ -73,7 +74,7 @@ def ground_in_words(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> s
 
 
 def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
-    """Return the reason of a verdict `converges`: what the evidence shows, and how well."""
+    """Return the reason of a verdict `converges`: what the evidence shows, and how accurately."""
     known = f"to {steps.known_to:.1e} of the largest terms"
     if steps.of_an_effect > steps.known_to:
         known += f" and {steps.of_an_effect:.1e} of the weakest effect"
@@ -107,7 +108,7 @@ def _consistent(steps: StepEvidence, replays: Sequence[ReplayEvidence]) -> str:
 
 
 def _open(steps: StepEvidence) -> str:
-    """Return the reason of a verdict `unresolved`: how well the limit of gains is known."""
+    """Return the reason of a verdict `unresolved`: the limit of gains is not known well enough."""
     if steps.known_to > CONSISTENT:
         what, known, needed = "largest terms", steps.known_to, CONSISTENT
     else:
@@ -119,7 +120,7 @@ def _open(steps: StepEvidence) -> str:
 
 
 def fault_in_words(fault: StepFault) -> str:
-    """Return in words which change explains how steps differ, if any does, and how they differ."""
+    """Return a fault of single steps in words: what explains it, if known, and how steps differ."""
     as_if = " and ".join(change.words for change in fault.changes)
     return f"behaves as if {as_if}: {_shown(fault)}" if as_if else _shown(fault)
 
@@ -160,14 +161,14 @@ def _shown(fault: StepFault) -> str:
 
 
 def _when(fault: StepFault) -> str:
-    """Return, in words, at which time or state steps differ."""
+    """Return, in words, at which state steps differ: its time, or how it was made."""
     if fault.time is None:
         return "at the start with ω along a skew axis"
     return f"at t = {fault.time:.3g} s"
 
 
 def _gained(fault: StepFault) -> str:
-    """Return, in words, at which rate a quantity changes, and at which rate it should."""
+    """Return, in words, the rate at which a quantity changes, and the rate at which it should."""
     if fault.quantity == "parts":
         off = math.hypot(*fault.got)
         return f"{RATES['parts']} changes at a rate of {off:.{DIGITS}g} N m {_when(fault)}, not 0"

@@ -1,4 +1,4 @@
-"""The records of a result file: one row for each run; `verdicts` has the verdicts on them.
+"""Records of a result file: solved scenes, and one row for each run.
 
 A record's fields are stored (`tables`) and shown as JSON and CSV (`as_json`). A new field is added
 here alone; it needs a default, which records get that were stored before the field was added.
@@ -29,7 +29,7 @@ from ...scenarios import (
 Pair = tuple[str, str]
 #: Timestep, s, of the only row of a method on a scene whose exact motion could not be solved.
 UNSOLVED = 0.0
-#: Fields that hold a motion.
+#: Names of the fields of records that hold a motion.
 MOTIONS = ("motion", "trajectory")
 #: Largest absolute value of a finite number in a record: its square does not overflow.
 LARGEST = 1e150
@@ -50,7 +50,7 @@ def _finite(value: float) -> float:
 
 
 def _name_of_scene(name: str) -> str:
-    """Return a scene's name; raise `ValueError` unless a page's file may have the same name."""
+    """Return a scene's name; raise `ValueError` if it is invalid: a page's file gets this name."""
     if not is_scene_name(name):
         raise ValueError(f"{printable(name)!r} is no scene's name")
     return name
@@ -64,7 +64,7 @@ def _name(name: str) -> str:
 
 
 def variation(varied: Mapping[str, Any]) -> str:
-    """Return the text that identifies what is varied in a run; empty if nothing is.
+    """Return the JSON text that identifies what is varied in a run; empty if nothing is.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def _variation(text: str) -> str:
     return text
 
 
-#: Types of numbers and names in a file that may come from anyone.
+#: Types of fields that are checked when a record is read, as a file may come from anyone.
 Size = Annotated[float, AfterValidator(_size)]
 Count = Annotated[int, AfterValidator(_size)]
 Signed = Annotated[float, AfterValidator(_finite)]
@@ -98,15 +98,15 @@ Variation = Annotated[str, AfterValidator(_variation)]
 class Record:
     """Base of dataclasses that are stored in result files.
 
-    When a record is read from a file, a value of another type than its field declares is refused,
-    and so is an unknown field. The constructor checks nothing.
+    A value of another type than its field declares is refused when a record is read from a file,
+    and so is an unknown field. The constructor does not check types.
     """
 
     __pydantic_config__: ClassVar = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
 
 
 class OfMethod:
-    """Base of classes with the names of an engine and one of its methods."""
+    """Base of classes that name an engine and one of its methods."""
 
     engine: str
     method: str
@@ -124,7 +124,7 @@ class OfMethod:
 
 @dataclass(frozen=True)
 class Key(OfMethod):
-    """The names of scene, engine and method that identify results."""
+    """The names of scene, engine and method, which identify the results of a method on a scene."""
 
     scenario: SceneName
     engine: str
@@ -138,7 +138,7 @@ def _named(key: Key) -> Key:
     return key
 
 
-#: A `Key` that is stored with a result of one method.
+#: A `Key` whose names of engine and method are checked when a record is read.
 MethodKey = Annotated[Key, AfterValidator(_named)]
 
 
@@ -154,7 +154,7 @@ class Defect:
     p50, p95, max : median, 95th percentile and largest over the intervals between samples, in the
         norm and unit of the signal's errors
     at : time of the end of the interval with the largest defect, s
-    floor : the largest defect that round-off, or noise as small as it, may cause
+    floor : the largest defect that rounding and the tolerance of solvers may cause
     """
 
     p50: Size
@@ -172,7 +172,11 @@ class SolvedScene(Record):
     ----------
     scenario : the scene's name
     toml : the text of the scene's file
-    method, uncertainty, conditioning, horizon, lifts_off, trajectory : as in `Solution`
+    method : how the motion was solved, in words
+    uncertainty, conditioning : of the exact motion, in each signal
+    horizon : time from which the motion is not known, s; None if it is known throughout
+    lifts_off : whether the motion ends because the body leaves its table
+    trajectory : the motion; None if it is missing
     """
 
     scenario: SceneName
@@ -210,34 +214,35 @@ class Row(Record):
 
     Attributes
     ----------
+    key : names of scene, engine and method
     timestep : s
     variation : JSON of what is varied, such as the member of an ensemble; empty if nothing is
     reason : why the outcome is not ok; for an engine as shipped, what differs from the scene
-    cause : the reason in a word
-    without_skill : whether a run that is ok is no better a forecast than no motion
+    cause : the cause in one word; empty if there is none
+    without_skill : whether a run that is ok is no better than no motion
         (`harness/comparison/rows.py`)
-    stopped_at : time at which it diverged or failed, s
-    errors : errors at the run's sample times; None unless it is ok
+    stopped_at : time at which the run diverged or failed, s; None if it did not, or if unknown
+    errors : errors at the run's sample times; None unless the outcome is ok
     drifts : largest change of each conserved quantity, relative, by name
     reference_uncertainty : relative uncertainty of the exact motion, in ω
     steps : number of steps up to the run's last sample
-    seconds_per_step, seconds_spread : CPU seconds, the least over the repeats, and max − min over
-        the repeats; None if it was not timed
-    wall_seconds_per_step : the least wall time, s; None if it was not timed
-    motion : the samples; None if there are none, or only those of a finer run are kept
-    printed : what the engine wrote to the terminal
+    seconds_per_step, seconds_spread : CPU seconds of a step, the least over the repeats, and
+        max − min over the repeats; None if not timed
+    wall_seconds_per_step : the least wall time of a step, s; None if not timed
+    motion : the samples; None if there are none, or if they were not kept
+    printed : what the engine wrote to stdout and stderr
     stock : whether the timestep is one of the two at which an engine is run on every scene: its own
         stock timestep, or 1 ms
-    unasked : for an engine as shipped, what acted although the scene does not call for it, by the
-        engine's names
+    unasked : for an engine as shipped, the engine's names of what acted although the scene does not
+        call for it
     defects : defects by signal (`harness/comparison/defects.py`), at stock timesteps and those that
-        a user asks for; None if the motion turns too far to be followed
+        a user asks for; None at others, or if they cannot be computed
     turns : turns of the exact motion over the samples, 2π rad each
     turns_within_1deg : turns until the attitude is off by more than 1°; None if it never is
-    attitude_a_turn : the median error that a turn of the run adds to the attitude, rad, from its
-        defects while it moves; None if it never moves
-    acts : for a run with one default or none, whether its steps, however short, do not obey the
-        equations of motion; None if unknown
+    attitude_a_turn : median over the intervals between samples of the attitude's defect per turn,
+        rad; None if there are no defects or the run is always at rest
+    acts : for a run that keeps at most one default of the engine, whether single steps show a
+        fault, and so do not obey the equations of motion however short they are; None if unknown
     """
 
     key: MethodKey
@@ -272,7 +277,7 @@ class Row(Record):
 
     @property
     def varied(self) -> dict[str, Any]:
-        """What is varied in the run, by name: an ensemble's seed and member, or kept defaults."""
+        """What is varied in the run, by name: seed and member of an ensemble, or kept defaults."""
         return varied_in(self.variation)
 
     @property
@@ -282,17 +287,17 @@ class Row(Record):
 
     @property
     def made(self) -> bool:
-        """Whether the run was made; none is at a timestep too long or too short for the scene."""
+        """Whether the run was made, and not refused because of its timestep."""
         return self.cause != "timestep"
 
     @property
     def simulated(self) -> bool:
-        """Whether the engine can simulate the scene with this timestep, even if the run failed."""
+        """Whether the engine can simulate the scene with this timestep; the run may have failed."""
         return self.outcome != "unsupported"
 
     @property
     def ending_in_words(self) -> str:
-        """Why the run ended as it did, when, and with which timestep."""
+        """Why and when the run ended as it did, and its timestep, in words."""
         when = f" at {self.stopped_at:.4g} s" if self.stopped_at is not None else ""
         if self.cause == "effects":
             return self.reason
@@ -302,5 +307,5 @@ class Row(Record):
 
     @property
     def survived(self) -> bool:
-        """Whether the run came to its end and is better than no motion."""
+        """Whether the outcome is `ok` and the run is better than no motion."""
         return self.outcome == "ok" and not self.without_skill

@@ -2,12 +2,12 @@
 
 SQLite's write-ahead log (WAL) is used, so that a report can be made while a study runs, and a
 process killed at any instruction leaves an intact file. `synchronous` is NORMAL: commits do not
-wait for the disk. A killed process loses nothing by that, since the operating system has what
-it wrote; a power cut may lose the last runs, which the next study makes again, but does not damage
-the file (https://www.sqlite.org/pragma.html, synchronous).
+wait for the disk. A killed process loses nothing by that, since the operating system has all that
+was written. A power cut does not damage the file, but may lose the last runs, which the next study
+makes again (https://www.sqlite.org/pragma.html, synchronous).
 
-A result file may come from anyone. Before anything is read from it, the digest of its schema is
-compared with ours, so that no foreign view, trigger or expression is ever evaluated
+A result file may come from anyone. Before any record is read, the digest of the file's schema is
+compared with that of a valid one, so that no foreign view, trigger or expression is ever evaluated
 (https://www.sqlite.org/security.html).
 """
 
@@ -28,8 +28,9 @@ from .only_writer import check_journals, has_log, log_of, only_writer
 
 #: "spin" in ASCII: distinguishes a result file from other SQLite databases.
 APPLICATION_ID = 0x7370696E
+#: Version of the format: results of another one cannot be read.
 FORMAT = 19
-#: Bytes of a record, at most; the motion of the longest window, 10⁶ samples, has 112 MB.
+#: Largest size of a record, bytes; the motion of the longest window, 10⁶ samples, takes 112 MB.
 LARGEST_RECORD = 1 << 28
 
 _SCHEMA = """
@@ -49,7 +50,7 @@ _IN_WORDS = {
     sqlite3.SQLITE_BUSY: "another program has locked it",
     sqlite3.SQLITE_TOOBIG: "a record is larger than any that spincheck writes",
 }
-#: An SQLite error code's lowest byte is its kind.
+#: Mask of the lowest byte of an SQLite error code, which is the primary code.
 _KIND = 0xFF
 
 
@@ -59,8 +60,8 @@ class OpenFile(NamedTuple):
     Attributes
     ----------
     connection : SQLite's connection to the file
-    check : raises `ResultFileError` if the file was removed or replaced
-    log_missing : whether the file is a copy without its log, made while a run was writing
+    check : function that raises `ResultFileError` if the file was removed or replaced since
+    log_missing : whether the file is a copy, without its log, of a file that was being written
     """
 
     connection: sqlite3.Connection
@@ -70,12 +71,12 @@ class OpenFile(NamedTuple):
 
 @contextmanager
 def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
-    """Open a result file for reading, or for writing; then it is created if there is none.
+    """Open a result file for reading or for writing.
 
     Parameters
     ----------
     schema : the SQL statements that create the file's tables
-    writing : whether it is opened for writing
+    writing : whether the file is opened for writing; it is then created if there is none
 
     Raises
     ------
@@ -106,7 +107,7 @@ def opened(path: Path, schema: str, *, writing: bool) -> Iterator[OpenFile]:
 
 
 def _is_there(path: Path, purpose: str) -> bool:
-    """Whether there is a regular file to open; False if there is nothing at the path.
+    """Whether there is a regular file at the path; False if there is nothing.
 
     Parameters
     ----------
@@ -115,8 +116,8 @@ def _is_there(path: Path, purpose: str) -> bool:
     Raises
     ------
     ResultFileError
-        If it is a folder, a pipe, which would block, or of another kind; a link to nothing or to an
-        empty file; or if the system does not let it be looked at.
+        If there is something else, such as a folder, or a pipe, on which reading would block; if
+        there is a link to nothing or to an empty file; or if the system denies access.
     """
     try:
         found = path.stat()
@@ -136,8 +137,8 @@ def _is_there(path: Path, purpose: str) -> bool:
 
 @contextmanager
 def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
-    """Open a result file that exists, for reading alone."""
-    # Checked before the file is opened, as opening creates an empty file.
+    """Open an existing result file for reading only."""
+    # Checked before SQLite opens the file, which creates an empty log.
     log_missing = not has_log(path)
     with _connected(path, "mode=ro") as connection:
         connection.execute("PRAGMA query_only = ON")
@@ -154,7 +155,8 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
             _check(connection, schema)
         else:
             _begin(connection, schema)
-        # Written before there is a log, so that the file records that it has one, and which.
+        # Written into the file itself, before there is a log: so the file states that a part of its
+        # contents may be in a log, and in that of which session.
         session = "UPDATE file SET session = ?, whole = 0"
         connection.execute("PRAGMA journal_mode = DELETE")
         with connection:
@@ -169,8 +171,8 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
             check()
             raise
         finally:
-            # Afterwards the file has no log, so that it can be read where nothing may be written;
-            # while another program reads it, the log stays.
+            # The log is written into the file and removed, so that the file can be read even where
+            # nothing may be written. If another program reads the file now, the log stays.
             with suppress(sqlite3.DatabaseError):
                 connection.execute("PRAGMA busy_timeout = 0")
                 connection.executescript("PRAGMA incremental_vacuum")
@@ -181,9 +183,11 @@ def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
 
 @contextmanager
 def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
-    """Yield a connection to an SQLite file, with limits and checks against foreign files.
+    """Yield a connection to an SQLite file, with limits and checks in case it is harmful.
 
-    `options` are those of SQLite's address, such as "mode=ro".
+    Parameters
+    ----------
+    options : options of the connection, in the form of a URI's query, such as "mode=ro"
     """
     address = f"{path.as_uri()}?{options}"
     with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as connection:
@@ -202,8 +206,8 @@ def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
 def _check_log(path: Path) -> None:
     """Raise `ResultFileError` if the log beside a file belongs to another file.
 
-    The log is then that of a file whose run was killed, and SQLite would apply it to whatever file
-    now has the name.
+    A killed run leaves such a log if its file is then moved away. SQLite would apply the log to the
+    file that has the name now.
     """
     if not (has_log(path) and path.exists()):
         return
@@ -217,11 +221,13 @@ def _check_log(path: Path) -> None:
 
 
 def _session(path: Path, options: str) -> str | None:
-    """Return the random name of the run that wrote last; None if it is no result file or damaged.
+    """Return the random name of the session that wrote to a file last.
+
+    It is None if the file is damaged, or no result file.
 
     Parameters
     ----------
-    options : options of SQLite's connection; by "immutable=1" the write-ahead log is ignored
+    options : options of SQLite's connection; with "immutable=1" the write-ahead log is ignored
 
     Raises
     ------
@@ -232,8 +238,8 @@ def _session(path: Path, options: str) -> str | None:
         with _connected(path, options) as connection:
             return str(connection.execute("SELECT max(session) FROM file").fetchone()[0])
     except sqlite3.OperationalError as error:
-        # That the file is not a result file is reported later; other errors, such as a lock, at
-        # once.
+        # If there is no such table, the file is no result file, which `_check` reports later. Other
+        # errors, such as a lock, are raised at once.
         if getattr(error, "sqlite_errorcode", 0) & _KIND != sqlite3.SQLITE_ERROR:
             raise
     except sqlite3.DatabaseError:
@@ -242,7 +248,7 @@ def _session(path: Path, options: str) -> str | None:
 
 
 def _begin(connection: sqlite3.Connection, schema: str) -> None:
-    """Create the tables in one transaction: if it is interrupted, the file stays empty."""
+    """Create the tables in one transaction, so that the file stays empty if that is interrupted."""
     # This has an effect only while the file is empty.
     connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
     connection.executescript(
@@ -254,7 +260,9 @@ def _begin(connection: sqlite3.Connection, schema: str) -> None:
 def _check(connection: sqlite3.Connection, schema: str) -> None:
     """Raise `ResultFileError` unless a file is a result file of this format, and undamaged.
 
-    `schema` is the SQL that creates such a file; the tables of the file must be the same.
+    Parameters
+    ----------
+    schema : the SQL that creates such a file; the file must have exactly the same tables
     """
     if connection.execute("PRAGMA application_id").fetchone()[0] != APPLICATION_ID:
         raise ResultFileError("not a result file of spincheck")
@@ -277,20 +285,20 @@ def _check(connection: sqlite3.Connection, schema: str) -> None:
 
 
 def _digest_of(connection: sqlite3.Connection) -> str:
-    """Return the SHA-256 of the type, name, table and SQL text of everything in a schema."""
+    """Return the SHA-256 of a file's schema: type, name, table and SQL text of all objects."""
     query = "SELECT type, name, tbl_name, sql FROM sqlite_master"
     objects = sorted([*map(str, columns)] for columns in connection.execute(query))
     return sha256(json.dumps(objects).encode()).hexdigest()
 
 
 def _text(content: bytes) -> str:
-    """Return a text of the schema, even if its bytes are not valid UTF-8."""
+    """Return the text of bytes in a schema; bytes that are not UTF-8 are escaped."""
     return content.decode(errors="backslashreplace")
 
 
 @cache
 def _digest_of_tables(schema: str) -> str:
-    """Return the digest, as `_digest_of` does, of a file that a schema creates."""
+    """Return the digest (`_digest_of`) of a file that is created by the SQL of a schema."""
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.executescript(schema)
         return _digest_of(connection)

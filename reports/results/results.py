@@ -1,4 +1,4 @@
-"""All that a result file holds, in the form that reports are made from."""
+"""The contents of a result file, in the form from which reports are made."""
 
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
@@ -32,7 +32,7 @@ class Results:
     scenes : the scenes that were solved, by name
     rows : the runs in which nothing is varied
     verdicts : one for each method and scene
-    costs : costs of steps of varied engines; `rows` have the costs of engines that are not varied
+    costs : costs of steps of varied engines; the costs of unvaried engines are in `rows`
     defaults : the effects of engines' defaults, where they were measured
     evidence : what the verdicts rest on besides the runs
     methods : what each engine's adapter declares about its methods, in the adapter's order
@@ -57,7 +57,7 @@ class Results:
 
     @property
     def every_row(self) -> list[Row]:
-        """The runs in which nothing is varied, then the others by method and what is varied."""
+        """The runs in which nothing is varied, then the others, sorted by method and variation."""
         return [*self.rows, *sorted(self.varied, key=_place)]
 
     def of(self, scene: str) -> Self:
@@ -76,7 +76,10 @@ class Results:
 
 
 def _place(row: Row) -> tuple[object, ...]:
-    """Return a key by which varied runs are sorted; numbers that are varied sort as numbers."""
+    """Return the sort key of a varied run: its names, what is varied in it, and its timestep.
+
+    Varied numbers are sorted as numbers, other values as texts; long timesteps come first.
+    """
     varied = row.varied
     values = [
         (one, "") if isinstance(one, int | float) else (0, str(one)) for one in varied.values()

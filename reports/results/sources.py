@@ -1,7 +1,7 @@
-"""Digests of Python sources by their meaning, and what the sources import.
+"""Digests of Python sources without what changes no result, and what the sources import.
 
-Parsing the whole program takes a second, so the findings are kept in the user's cache, by the
-content of files.
+Parsing the whole program takes a second. So digests and imports are kept in the user's cache, by
+the digest of a file's content.
 """
 
 import ast
@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from ...engines.user_cache import user_cache
 from ...scenarios.regular_files import read_regular, write_new
 
-#: Largest size of the cache, bytes; the findings on some twenty versions of the program fit in.
+#: Largest size of the cache, bytes: enough for some twenty versions of the program.
 LARGEST = 1 << 22
 
 
@@ -26,10 +26,11 @@ class Import(NamedTuple):
 
     Attributes
     ----------
-    level : number of dots before the module
-    names : pairs of a name and its name in the importing module
-    outside : whether the statement stands at the top level of the module, in no function, class or
-        other block
+    level : number of dots before the module's name; 0 if the import is absolute
+    module : the module's name without the dots; may be empty
+    names : for each imported name, the name itself and the name that it is given (`as`)
+    outside : whether the statement is at the top level of the importing file, outside of any
+        function, class or other block
     """
 
     level: int
@@ -39,7 +40,7 @@ class Import(NamedTuple):
 
 
 class Source(NamedTuple):
-    """The meaning of a Python file, as a digest, and the file's imports.
+    """The digest of a Python file, and its imports.
 
     Attributes
     ----------
@@ -65,7 +66,7 @@ def source(path: Path) -> Source:
 
 @cache
 def _known() -> dict[str, Source]:
-    """Return the sources found earlier, by the digest of their content; they are saved at exit."""
+    """Return the cached sources, by the digest of the file's content; they are saved at exit."""
     known = {}
     with suppress(OSError, ValueError, TypeError, AttributeError):
         kept = json.loads(read_regular(_file(), LARGEST))
@@ -90,7 +91,7 @@ def _keep(known: dict[str, Source], before: int) -> None:
 
 
 def _file() -> Path:
-    """Return the path of the cache; it differs between versions of this module."""
+    """Return the path of the cache; every version of this module has a cache of its own."""
     own = sha256(Path(__file__).read_bytes()).hexdigest()[:16]
     return user_cache() / f"sources-{own}.json"
 
@@ -106,8 +107,8 @@ def _imports(tree: ast.Module) -> Iterator[Import]:
 def _meaning(node: object) -> object:
     """Return a syntax tree without what changes no result: docstrings, comments, layout.
 
-    All strings that are statements of their own are left out, as docstrings are. Empty fields are
-    left out, because versions of Python differ in which they have.
+    Every string that is a statement is left out like a docstring. Empty fields are left out, as
+    versions of Python differ in which of them a tree has.
     """
     if isinstance(node, list):
         return [_meaning(one) for one in node if not _is_text_alone(one)]

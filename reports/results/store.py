@@ -1,7 +1,7 @@
-"""The contents of a result file. Each run is stored as it ends, so that a study can be continued.
+"""Reads and writes the records of a result file.
 
-Results of an earlier scene with the same name, of another engine or of another spincheck stay in
-the file, but do not count (`Store.rest_on`) and can be deleted by `Store.tidy`.
+Results that rest on another version of scene, engine or program stay in the file, but do not count:
+they are not returned (`Store.rest_on`), and can be deleted by `Store.tidy`.
 """
 
 import json
@@ -35,7 +35,7 @@ SCHEMA = "".join(table.sql for table in tables.TABLES)
 DIGITS = 16
 _TABLE_OF: dict[type[Record], Table[Any]] = {table.record: table for table in tables.TABLES}
 _ONE_METHOD = "scenario = ? AND engine = ? AND method = ?"
-#: Condition for a method's runs in which nothing is varied.
+#: SQL condition that selects the runs of a method on a scene in which nothing is varied.
 _AS_IT_IS = f"{_ONE_METHOD} AND variation = ''"
 _SORTED = "scenario, engine, method"
 
@@ -45,11 +45,11 @@ class Store:
 
     Parameters
     ----------
-    file : the connection to it
+    file : the connection to the file, and how it was opened
 
     Attributes
     ----------
-    log_missing : whether the file is an incomplete copy, made while a run was writing
+    log_missing : whether the file is an incomplete copy of a file that was being written
     """
 
     def __init__(self, file: OpenFile) -> None:
@@ -59,12 +59,12 @@ class Store:
         self._take_fingerprints(self.select(tables.FINGERPRINTS))
 
     def put(self, *records: Record) -> None:
-        """Store records, all or none; each replaces the stored record with the same key."""
+        """Store records, all or none of them; each replaces a stored record with the same key."""
         with self._database.transaction() as connection:
             self._put(connection, *records)
 
     def _put(self, connection: sqlite3.Connection, *records: Record) -> None:
-        """Store records as `put` does, inside a transaction that was begun."""
+        """Store records within a transaction that has begun; see `put`."""
         for record in records:
             table = _TABLE_OF[type(record)]
             columns = table.columns(record)
@@ -75,20 +75,30 @@ class Store:
     def select(
         self, table: Table[R], where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
     ) -> list[R]:
-        """Return the stored records of a table that count.
+        """Return those stored records of a table that count and that a condition selects.
 
-        Parameters are those of `Database.select`. It raises `ResultFileError` if a record was
-        changed after it was written, or cannot be read.
+        Parameters
+        ----------
+        where, order : the condition and the order, in SQL
+        values : values of the condition's parameters, its question marks
+
+        Raises
+        ------
+        ResultFileError
+            If a record was changed after it was written, or cannot be read.
         """
         found = self._database.select(table.name, where, values, order)
         return [table.read(one) for one in found if self._counts(table, one)]
 
     def _counts(self, table: Table[Any], columns: sqlite3.Row) -> bool:
-        """Whether a record counts: whether it was stored with the digest that `_digest` returns."""
+        """Whether a record counts: it was stored with the digest that it must have now."""
         return not table.rests_on or columns[DIGEST] == self._digest(table, columns)
 
     def _digest(self, table: Table[Any], columns: Mapping[str, Any] | sqlite3.Row) -> str:
-        """Return the digest that a record of a table must have to count; empty if it is unknown.
+        """Return the digest that a record of a table must have to count.
+
+        It is the digest of the fingerprints that the record rests on; empty if none of them is
+        known.
 
         Parameters
         ----------
@@ -103,19 +113,19 @@ class Store:
         return sha256(joined.encode()).hexdigest()[:DIGITS] if any(parts) else ""
 
     def _take_fingerprints(self, fingerprints: Iterable[Fingerprint]) -> None:
-        """Make results count from now on only if they rest on these fingerprints."""
+        """Take fingerprints as those that results must rest on to count from now on."""
         self._fingerprints |= {(f.scenario, f.engine, f.kind): f.digest for f in fingerprints}
 
     def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
-        """Set the digests that results of a scene must have to count from now on.
+        """Store the fingerprints that results of a scene must rest on to count from now on.
 
         Parameters
         ----------
-        fingerprints : at least one, all of one scene
+        fingerprints : at least one, all of the same scene
 
         Returns
         -------
-        The number of stored verdicts that no longer count.
+        The number of stored verdicts that counted before and no longer count
         """
         scenario = fingerprints[0].scenario
         verdicts = self._database.select("verdicts", "scenario = ?", (scenario,))
@@ -125,7 +135,7 @@ class Store:
         return before - sum(self._counts(tables.VERDICTS, one) for one in verdicts)
 
     def tidy(self) -> int:
-        """Delete the results that no longer count; return how many records were deleted."""
+        """Delete the records that do not count, and return their number."""
         deleted = 0
         with self._database.transaction() as connection:
             for table in (table for table in tables.TABLES if table.rests_on):
@@ -139,19 +149,19 @@ class Store:
         return deleted
 
     def put_environment(self, environment: dict[str, str]) -> None:
-        """Store name and value of what results may depend on: the machine and versions."""
+        """Store what results may depend on, as texts by name: the machine, and versions."""
         self.put(*(EnvironmentEntry(name, value) for name, value in environment.items()))
 
     def put_methods(self, engines: Iterable[Engine]) -> None:
-        """Store what adapters declare about all their methods."""
+        """Store what the adapters of engines declare about them and their methods."""
         self.put(*map(DeclaredEngine.of, engines))
 
     def forget(self, keys: Iterable[Key]) -> None:
-        """Delete the results of methods on scenes; runs in which something is varied are kept.
+        """Delete the results of methods on scenes; rows in which something is varied are kept.
 
         Parameters
         ----------
-        keys : scene, engine and method of each of the results
+        keys : scene, engine and method of the results to delete
         """
         with self._database.transaction() as connection:
             for key in keys:
@@ -162,11 +172,10 @@ class Store:
     def put_scene(self, scenario: Scenario, solution: Solution) -> None:
         """Store a scene and its exact motion.
 
-        Rows which say that the scene could not be solved are deleted.
+        Rows are deleted if they say that this motion could not be found.
         """
         with self._database.transaction() as connection:
             self._put(connection, SolvedScene.of(scenario, solution))
-            # Such a row says that the scene could not be solved, which is now outdated.
             unsolved = "DELETE FROM rows WHERE scenario = ? AND timestep = ? AND variation = ''"
             connection.execute(unsolved, (scenario.name, UNSOLVED))
 
@@ -177,8 +186,8 @@ class Store:
 
         Parameters
         ----------
-        evidence : None if there is none
-        discardable : timesteps, s, of the runs of the same method and scene whose samples are
+        evidence : the evidence that the verdict rests on; None if there is none
+        discardable : timesteps, s, of those runs of the same method and scene whose samples are
             dropped
         """
         with self._database.transaction() as connection:
@@ -199,12 +208,14 @@ class Store:
     def settled(self, scenario: str, timesteps: Sequence[float], step_limit: int) -> list[Verdict]:
         """Return the stored verdicts on a scene that need not be made again.
 
-        Verdicts on ladders that a smaller step limit cut short are left out.
+        A verdict is left out if its ladder ended at a step limit that is smaller than the present
+        one.
 
         Parameters
         ----------
+        scenario : the scene's name
         timesteps : the timesteps asked for, s; empty for verdicts on ladders
-        step_limit : step limit of the ladders asked for
+        step_limit : the present limit on the number of steps of a ladder's run
         """
         where = "scenario = ? AND timesteps = ?"
         stored = self.select(tables.VERDICTS, where, (scenario, _as_stored(timesteps)))
@@ -220,11 +231,14 @@ class Store:
         return [row for row in rows if row.outcome == "failed"]
 
     def forget_costs_of_other_processors(self, processor: str) -> None:
-        """Delete all times of each method on a scene of which one is from another processor.
+        """Delete the costs that were measured on another processor.
+
+        If one cost of a method on a scene was, all costs of this method on this scene are deleted,
+        also those of varied engines.
 
         Parameters
         ----------
-        processor : name of the processor whose times are kept
+        processor : name of the processor whose costs are kept
         """
         others = [one.key for one in self.select(tables.COSTS) if one.processor != processor]
         with self._database.transaction() as connection:
@@ -232,9 +246,9 @@ class Store:
                 connection.execute(f"DELETE FROM costs WHERE {_ONE_METHOD}", _names(key))
 
     def keys_with_timing(self) -> set[Key]:
-        """Return the keys of methods on scenes for which a timing is stored.
+        """Return the keys of methods on scenes whose cost is stored.
 
-        A stored timing may say that steps cannot be timed.
+        The stored cost may be None, which says that the steps cannot be timed.
         """
         return {one.key for one in self.select(tables.COSTS, "variation = ''")}
 
@@ -243,14 +257,14 @@ class Store:
 
         Parameters
         ----------
-        timesteps : the timesteps of the verdicts that are wanted, s; if empty, verdicts on ladders
-            are returned, and where there is none the latest other verdict
+        timesteps : the timesteps of the verdicts that are wanted, s; if empty, the verdict on the
+            ladder is returned or, if there is none, the latest other verdict
 
         Raises
         ------
         ResultFileError
-            If a record cannot be read or was changed after it was written, or if a run has errors,
-            but its scene is missing.
+            If a record cannot be read or was changed after it was written, or if a run has errors
+            although its scene is missing.
         """
         costs = self.select(tables.COSTS, order=f"{_SORTED}, rowid")
         seconds = {one.key: vars(one.cost) for one in costs if one.cost and not one.variation}
@@ -297,11 +311,11 @@ class Store:
         return self.select(tables.ENSEMBLES, order="scenario, ensemble")
 
     def _verdicts(self, timesteps: str) -> list[Verdict]:
-        """Return a verdict for each method and scene, chosen as `read` says.
+        """Return one verdict for each method and scene, chosen as `read` does.
 
         Parameters
         ----------
-        timesteps : those of `read`, in the form that `_as_stored` returns
+        timesteps : `timesteps` of `read`, in the form that `_as_stored` returns
         """
         where, values = ("timesteps = ?", (timesteps,)) if timesteps != _LADDER else ("TRUE", ())
         order = f"{_SORTED}, timesteps = '{_LADDER}' DESC, rowid DESC"
@@ -312,12 +326,12 @@ class Store:
 
 
 def _names(key: Key) -> tuple[str, str, str]:
-    """Return scene, engine and method of a key, the values for `_ONE_METHOD`."""
+    """Return scene, engine and method of a key: the values of the parameters in `_ONE_METHOD`."""
     return key.scenario, key.engine, key.method
 
 
 def _as_stored(timesteps: Sequence[float]) -> str:
-    """Return the timesteps that a user asked for, s, in the form in which verdicts store them."""
+    """Return timesteps, s, in the form in which they are stored with a verdict: sorted, as JSON."""
     return json.dumps(sorted(timesteps))
 
 
@@ -331,13 +345,14 @@ def open_store(path: Path, *, create: bool = False) -> Iterator[Store]:
 
     Parameters
     ----------
-    create : whether the file is opened for writing, and created if there is none
+    create : whether the file is opened for writing, and created if there is none; else it is opened
+        for reading
 
     Raises
     ------
     ResultFileError
-        If the file is missing, cannot be used, is no result file of this format, or is being
-        written by another process.
+        If the file is missing, cannot be used, is no result file of this format, or is to be
+        written while another process writes to it.
     """
     with opened(path, SCHEMA, writing=create) as file:
         yield Store(file)

@@ -1,12 +1,12 @@
-"""The tables of a result file, in SQL: one for each kind of record, made from its dataclass.
+"""The SQL tables of a result file: one for each kind of record, made from its dataclass.
 
-The fields that identify a record have a column each, its motion is a blob, and all others are one
-JSON object. A field added to a record is stored and read with no change here; records stored
-before it have its default. A changed table is another format: `result_file.FORMAT`.
+Each field that identifies a record has a column, its motion is a blob, and all other fields are
+one JSON object. A field that is added to a record needs no change here; records stored before have
+its default. If the columns of a table change, `result_file.FORMAT` must be increased.
 
-Motions are archives of arrays. A foreign one may unpack to any size, so the sizes that it declares
-are checked against what a motion can have before anything is unpacked, and no more bytes than
-declared are unpacked.
+Motions are archives of arrays. An archive from elsewhere may unpack to any size. So before anything
+is unpacked, the sizes that it declares are checked against the largest that a motion can have, and
+no more bytes than declared are unpacked.
 """
 
 import io
@@ -33,12 +33,12 @@ from .records import MOTIONS, Key, Record, Row, SolvedScene
 from .result_file import ResultFileError
 from .verdicts import Verdict
 
-#: Size of an array's header, bytes: magic, shape and type (numpy.lib.format).
+#: Largest size of an array's header, bytes: magic, shape and type (numpy.lib.format).
 HEADER = 1 << 10
 _NAMES = tuple(field.name for field in fields(Trajectory))
-#: Arrays that only motions of some scenes have.
+#: Names of the arrays that only motions of some scenes have.
 _OPTIONAL = ("spins",)
-#: Number of components of the widest of the other arrays.
+#: Largest number of components of a sample in the other arrays: the four of a quaternion.
 _WIDEST = 4
 
 
@@ -102,21 +102,21 @@ T = TypeVar("T")
 R = TypeVar("R", bound=Record)
 P = ParamSpec("P")
 
-#: Largest length of a record as JSON, characters: a hundred times what evidence takes.
+#: Largest length of a record as JSON, characters: a hundred times the length of evidence.
 LONGEST_JSON = 1 << 20
 #: Largest length of a complaint about a record, characters.
 SHOWN = 200
 #: Name of the column with the digest of what a record rests on.
 DIGEST = "digest"
-#: Columns that are not text: a number, and lists as JSON.
+#: Names of the columns of a key that are not text: one is a number, others are JSON.
 _NUMBER, _AS_JSON = "timestep", ("timesteps", "ensemble")
 _NAMES_OF_KEY = tuple(field.name for field in fields(Key))
 
 
 def as_result_file_error(read: Callable[P, T]) -> Callable[P, T]:
-    """Return a function that raises `ResultFileError` where `read` raises any exception.
+    """Return a function that does as `read`, but turns its exceptions into `ResultFileError`.
 
-    It wraps functions that read records, which raise various exceptions if a record is damaged.
+    It is for functions that read records, which raise various exceptions if a record is damaged.
     """
 
     @wraps(read)
@@ -144,8 +144,9 @@ class Table(Generic[R]):
     name : name of the table
     record : the dataclass
     key : the columns that identify a record: fields of the record, or of its `Key`
-    rests_on : the kinds of fingerprints that a record rests on, if any; their digest is part of the
-        key, so that records of several programs, scenes and engines can be kept
+    rests_on : kinds of the fingerprints that a record rests on; empty if it rests on none. The
+        digest of these fingerprints is part of the primary key, so that records of several versions
+        of program, scene and engine can be kept
     """
 
     name: str
@@ -171,7 +172,8 @@ class Table(Generic[R]):
     def columns(self, record: R) -> dict[str, Any]:
         """Return the values that are stored of a record, by column.
 
-        Fields that are None are left out if None is their default.
+        Fields that are None are left out if None is their default. The checksum and the digest of
+        what the record rests on are not included.
         """
         values = {field.name: getattr(record, field.name) for field in fields(self.record)}
         motions = {name: values.pop(name) for name in self.motions}
@@ -221,7 +223,7 @@ class Table(Generic[R]):
 
 
 def from_json(text: Any) -> dict[str, Any]:
-    """Return the JSON object in a text, with control characters in its strings escaped.
+    """Return the object that a JSON text holds, with control characters in its strings escaped.
 
     Raises
     ------
@@ -238,12 +240,12 @@ def from_json(text: Any) -> dict[str, Any]:
 
 
 def _is_shown(text: str) -> bool:
-    """Whether a JSON text is printable and has no escapes, and so no control characters at all."""
+    """Whether a JSON text holds no control characters: it is printable and has no escapes."""
     return text.isprintable() and "\\" not in text
 
 
 def _shown(value: Any) -> Any:
-    """Return a value from JSON with control characters in its texts escaped."""
+    """Return a value from JSON with control characters in all its strings and names escaped."""
     if isinstance(value, str):
         return shown(value)
     if isinstance(value, dict):

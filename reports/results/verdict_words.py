@@ -1,7 +1,7 @@
-"""The words of verdicts as data: what each means, how it looks, and its effect on an exit code.
+"""The words of verdicts: what each means, how it is displayed, and its effect on an exit code.
 
-Everything that ranks, counts, colours or explains verdicts iterates over `VERDICTS`: another word
-is an entry there and in `VerdictWord`, besides the code that gives it.
+Everything that ranks, counts, colours or explains verdicts iterates over `VERDICTS`. To add a word,
+add it there and to `VerdictWord`, besides the code that decides on it.
 """
 
 from dataclasses import dataclass
@@ -16,11 +16,11 @@ class VerdictKind:
 
     Attributes
     ----------
-    sign : sign beside the word, as colour is never the only difference
-    phrases : what one pair of a scene and a method does, and what several pairs do
+    sign : sign beside the word, so that verdicts differ not only in colour
+    phrases : verb phrase for one method on one scene, and for several
     meaning : when the verdict is given, in words
-    light, dark : colours of background and text, on light and on dark pages. Every pair has a
-        contrast of 4.5 or more, and the backgrounds differ in lightness too
+    light, dark : colours of background and text, on light and on dark pages. Each such pair has a
+        contrast ratio of 4.5 or more, and the backgrounds of the words differ in lightness too
     fails : whether it makes a study fail
     is_unproven : whether it says neither that a method converges nor that it is wrong
     """
@@ -36,7 +36,7 @@ class VerdictKind:
 
     @property
     def needs_reason(self) -> bool:
-        """Whether the verdict is listed with its reason: something is wrong or undecided."""
+        """Whether lists show the verdict's reason, as something is wrong or undecided."""
         return self.fails or self.is_unproven
 
 
@@ -105,7 +105,7 @@ VERDICTS = (
 VERDICT = {kind.word: kind for kind in VERDICTS}
 RANKS = {kind.word: rank for rank, kind in enumerate(VERDICTS)}
 assert tuple(VERDICT) == get_args(VerdictWord), "one entry a word, in one order"
-#: The words in the order in which verdicts are counted and listed: what converges, then from the
-#: worst on.
+#: The kinds in the order in which verdicts are counted and listed: `converges` first, then the
+#: others from the worst on.
 LISTED = (VERDICTS[0], *reversed(VERDICTS[1:]))
 UNPROVEN = " or ".join(f"'{kind.word}'" for kind in VERDICTS if kind.is_unproven)

@@ -17,13 +17,15 @@ class Verdict(Record):
 
     Attributes
     ----------
-    quoted : what a run, the engine or the scene's file says about it, in their own words
-    steps, own_steps, replays : the evidence that it rests on, as in `Evidence`, without the curves
+    quoted : the reason, or a part of it, as a run, the engine or the scene's file states it
+    steps : evidence from steps from exact states, without curves; None if there is none
+    own_steps : evidence from steps from states of the method's runs; None if there is none
+    replays : evidence from replays of the method's runs
     unmet : expectations in the scene's file that this method did not meet, in words
     as_shipped : whether the method is the engine with all its defaults
-    expected_failure : whether it is an expected failure of the scene's file
+    expected_failure : whether this is an expected failure, which the scene's file states
     timesteps : the timesteps asked for, s, increasing; empty for the verdict on a ladder
-    step_limit : the largest number of steps of a run, if it ended a ladder early; else None
+    step_limit : the limit on the steps of a run, if it kept finer rungs from being run; else None
     """
 
     key: MethodKey
@@ -40,7 +42,7 @@ class Verdict(Record):
 
     @property
     def reason(self) -> str:
-        """The reason in words, made from the numbers."""
+        """The reason in words, made from the numbers of the evidence."""
         return reason_in_words(self.verdict, self.quoted, self.steps, self.own_steps, self.replays)
 
     @property
@@ -53,36 +55,42 @@ class Verdict(Record):
     def tail(self) -> float | None:
         """The probability of evidence as unlikely as this if the method converges, at most 1.
 
-        It is the smallest tail of the evidence times the number of tails (Bonferroni); None without
-        evidence.
+        It is the smallest tail of steps and replays times the number of these tails (Bonferroni);
+        None if there is no evidence.
         """
         found = [one.tail for one in (self.steps, self.own_steps, *self.replays) if one]
         return min(1.0, min(found) * len(found)) if found else None
 
     @property
     def level(self) -> float:
-        """The level that the probability `tail` must not fall below."""
+        """The probability below which a check's tail shows a fault."""
         return LEVEL
 
     @property
     def order(self) -> int | None:
-        """The order at which gains vanish with the timestep; None without steps or with a fault."""
+        """The least order at which gains vanish with the timestep.
+
+        It is None if no single steps were examined, or if they show a fault.
+        """
         return self.steps.order if self.steps and not self.steps.fault else None
 
     @property
     def agrees(self) -> bool:
-        """Whether nothing is wrong: no verdict that counts as wrong, and no unmet expectation."""
+        """Whether the verdict does not make a study fail, and no expectation is unmet."""
         return not self._is_wrong and not self.unmet
 
     @property
     def findings(self) -> list[str]:
-        """The verdict with its reason, and unmet expectations; what makes a study fail is first."""
+        """Sentences: the verdict with its reason, and unmet expectations; the worst come first."""
         judged = f"{self.verdict}: {self.reason}"
         return [judged, *self.unmet] if self._is_wrong else [*self.unmet, judged]
 
     @property
     def _is_wrong(self) -> bool:
-        """Whether the word fails, and the method is neither as shipped nor expected to fail."""
+        """Whether the verdict makes a study fail.
+
+        It does if its word does, and the method is neither as shipped nor expected to fail.
+        """
         return VERDICT[self.verdict].fails and not (self.as_shipped or self.expected_failure)
 
     @property

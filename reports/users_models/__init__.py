@@ -1,1 +1,1 @@
-"""Inspection of users' models: what engines hold of a file, compared with the file."""
+"""Inspects users' models: compares the bodies that engines read from a file with the file."""

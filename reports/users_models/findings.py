@@ -1,4 +1,4 @@
-"""Findings of an inspection as lines: differences, faults of the file, and what to do."""
+"""The findings of an inspection as lines: wrong bodies, faults of the file, and what to do."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -13,15 +13,15 @@ from .inspection import InspectedLink, Inspection, LinkReading
 
 #: Largest number of links that a line names.
 MOST_NAMES = 3
-#: Texts of cells of the table: an engine holds what the file states; nothing is compared.
+#: Texts of a cell of the table: the engine holds what the file states; nothing can be compared.
 FINE, NOTHING = "ok", "–"
-#: Meanings of the cells of `cell_text`.
+#: Meanings of the texts that `cell_text` returns.
 LEGEND = (
     "ok: as in the file. Other cells: the largest relative difference of mass, com and tensor, and "
     "how far the attitude is off after tumbling for 1 s. fused: part of the body, or of the world, "
     "that it is fixed to."
 )
-#: What corrects a difference in any engine, by the word for its cause (`LinkReading.kind`).
+#: Advice on wrong bodies that holds for any engine, by the word for the cause (`LinkReading.kind`).
 IN_ANY_ENGINE = {
     "nothing stated": Advice(
         "state their inertia, or that they have no mass",
@@ -40,8 +40,8 @@ class Finding:
 
     Attributes
     ----------
-    who : engines and configurations; empty if the statement is about the file itself
-    names : names of the links; empty if it is about the whole file
+    who : engines, each with its configuration; empty if the statement is about the file itself
+    names : names of the links; empty if the statement is about the whole file
     text : the statement
     line : XML to put into the file; empty if there is none
     """
@@ -53,7 +53,7 @@ class Finding:
 
     @property
     def about(self) -> str:
-        """The engines and links that the finding is about, with a colon; empty without any."""
+        """The engines and links that the finding is about, then a colon; empty without any."""
         about = [part for part in (" and ".join(self.who), listed(self.names)) if part]
         return f"{', '.join(about)}: " if about else ""
 
@@ -62,17 +62,18 @@ class Finding:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Return the first of some names as text, and how many more there are."""
+    """Return the first `MOST_NAMES` names as text, and how many more there are."""
     more = len(names) - MOST_NAMES
     return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
 def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
-    """Return one finding for each statement about an engine, with the names of all its links.
+    """Return findings, of which each has all links for which the same is stated.
 
     Parameters
     ----------
-    entries : the engine with its configuration, empty if none, the statement, and a link's name
+    entries : three texts each: the engine with its configuration, or empty for the file itself; the
+        statement; and the name of one link
     """
     alike: dict[tuple[str, str], list[str]] = {}
     for who, text, name in entries:
@@ -83,7 +84,7 @@ def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
 
 
 def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
-    """Return the readings that differ from the file, each with its link's name.
+    """Return the readings that differ from the file, each with the name of its link.
 
     They are in the order of the file's links.
     """
@@ -96,7 +97,7 @@ def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
 
 
 def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
-    """Return all findings under their headings; headings without findings are left out."""
+    """Return pairs of a heading and its findings; headings without findings are left out."""
     by_heading = {
         "Bodies that engines hold differently, the worst first": differences(inspection),
         "Impossible in the file": problems_of(inspection, impossible=True),
@@ -109,7 +110,7 @@ def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
 
 
 def differences(inspection: Inspection) -> list[Finding]:
-    """Return findings about engines: files that they refuse, then wrong bodies, the worst first."""
+    """Return findings about engines: why they refuse the file, then wrong bodies, worst first."""
     wrong = sorted(wrong_readings(inspection), key=lambda one: badness(one[0]), reverse=True)
     return [
         *(Finding((" ".join(who),), (), reason) for who, reason in inspection.refusals.items()),
@@ -126,11 +127,11 @@ def _apart(reading: LinkReading) -> str:
 
 
 def badness(reading: LinkReading) -> tuple[float, float]:
-    """Return how wrong a reading is, as a sort key.
+    """Return how wrong a reading is, as a sort key of two numbers.
 
-    It is the angle between the attitudes of the file's body and the engine's at the latest time,
-    degrees, and the largest relative difference of the bodies. A body for which the file states
-    nothing counts as worse than any other.
+    The first is the largest angle between the attitudes of the file's and the engine's body,
+    degrees, and the second is the largest relative difference of these bodies. If the file states
+    nothing for a body, it counts as worse than any other, and the second number is its mass, kg.
     """
     if reading.agrees is not False:
         return (0.0, 0.0)
@@ -142,12 +143,11 @@ def badness(reading: LinkReading) -> tuple[float, float]:
 
 
 def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
-    """Return findings about the file.
+    """Return findings about faults of the numbers in the file.
 
     Parameters
     ----------
-    impossible : True for findings about numbers that no body can have, False for those about
-        doubtful numbers
+    impossible : True for numbers that no body can have, False for doubtful numbers
     """
     return grouped(
         ("", problem.text, f"{link.link.name} (line {link.link.where.rpartition(':')[2]})")
@@ -158,7 +158,7 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
 
 
 def composed_bodies(inspection: Inspection) -> list[Finding]:
-    """Return findings about bodies that consist of several links: their mass and moments."""
+    """Return the mass and the principal moments of each body of several links, as findings."""
     lines = []
     for body in inspection.composed:
         assert body.stated is not None, "a part states an inertia"
@@ -169,15 +169,16 @@ def composed_bodies(inspection: Inspection) -> list[Finding]:
 
 
 def stated_mass(inspection: Inspection) -> float:
-    """Return the total mass of the file's links, kg."""
+    """Return the total mass that the file states for its links, kg."""
     stated = (link.link.stated for link in inspection.links)
     return sum(one.mass for one in stated if one is not None)
 
 
 def added_masses(inspection: Inspection) -> dict[str, float]:
-    """Return by how much each engine makes the model heavier than its file states, kg.
+    """Return by how much engines make the model heavier than its file states, kg.
 
-    It is the mass of the bodies for which the file states nothing, by engine and configuration.
+    It is the mass of the bodies for which the file states nothing, by the name of engine and
+    configuration. Engines that add no mass are left out.
     """
     added: dict[str, float] = {}
     for reading, _ in wrong_readings(inspection):
@@ -187,9 +188,9 @@ def added_masses(inspection: Inspection) -> dict[str, float]:
 
 
 def weight_in_words(inspection: Inspection) -> str:
-    """Return, in words, the mass that the file states, and that of engines which hold more.
+    """Return, in words, the mass that the file states, and the mass in engines where it is larger.
 
-    The text is empty if no engine holds more.
+    The text is empty if there are none.
     """
     stated = stated_mass(inspection)
     by_mass: dict[str, list[str]] = {}
@@ -200,7 +201,10 @@ def weight_in_words(inspection: Inspection) -> str:
 
 
 def remedies(inspection: Inspection) -> list[Finding]:
-    """Return what to do, each remedy once: first about refused files, then about wrong bodies."""
+    """Return what users can do about refused files, then what they can do about wrong bodies.
+
+    Advice that is the same for several engines is one finding.
+    """
     alike: dict[tuple[str, str, tuple[str, ...]], Finding] = {}
     for one in (*_of_refusals(inspection), *_of_differences(inspection)):
         key = (one.text, one.line, one.names)
@@ -215,18 +219,19 @@ def configuration_of(engine: str, name: str) -> Configuration:
     Parameters
     ----------
     engine : the engine's name, with or without a version
+    name : the configuration's name
     """
     configurations = model_readers()[engine.partition("@")[0]].configurations
     return next(one for one in configurations if one.name == name)
 
 
 def _is_massless(one: InspectedLink) -> bool:
-    """Whether a link moves, has neither inertia nor shapes that give it one, and no other fault."""
+    """Whether a link moves and has no inertia, stated or from shapes, but no other fault."""
     lacks = one.link.moves and not one.link.has_inertia and not one.link.by_shapes
     return lacks and all(problem.kind == "zero tensor" for problem in one.problems)
 
 
-#: Words for the links that the advice about a refused file concerns.
+#: By each word of `Advice.concerns`, the function that says whether a link is concerned.
 _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
     "impossible": lambda one: not one.is_possible and not _is_massless(one),
     "massless": _is_massless,
@@ -234,7 +239,7 @@ _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
 
 
 def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
-    """Yield what has to change for an engine to accept a file that it refuses."""
+    """Yield what has to be changed in a file so that an engine accepts it, for each refusal."""
     for (engine, configuration), reason in inspection.refusals.items():
         refusals = model_readers()[engine.partition("@")[0]].refusals
         each = next((each for phrase, each in refusals.items() if phrase in reason), ())
@@ -246,9 +251,9 @@ def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
 
 
 def _of_differences(inspection: Inspection) -> Iterator[Finding]:
-    """Yield what corrects wrong bodies: a finding for each engine and cause.
+    """Yield advice on wrong bodies: a finding for each engine's configuration and each cause.
 
-    Its text has the advice that holds in any engine, then the advice for the engine itself.
+    Its text has the advice that holds for any engine, then the advice for this engine.
     """
     wrong: dict[tuple[tuple[str, str], str], list[str]] = {}
     for reading, name in wrong_readings(inspection):
@@ -266,7 +271,7 @@ def _of_differences(inspection: Inspection) -> Iterator[Finding]:
 
 
 def cell_text(reading: LinkReading) -> str:
-    """Return the text of a cell of the table: how one configuration of an engine holds one link."""
+    """Return the text of a table cell, which says how well an engine holds a link (`LEGEND`)."""
     if reading.kind == "refused":
         return "refused"
     if reading.agrees is None:

@@ -1,4 +1,4 @@
-"""Inspects a model: engines read it in a worker, and their bodies are compared with the file's."""
+"""Inspects a model: engines read it in workers, and their bodies are compared with the file's."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -28,13 +28,13 @@ from ...reference import IntegrationError, solve_ode
 from ...scenarios import FloatArray, did_you_mean, loads
 from ..harness.executors import CallFailed, Executor
 
-#: Times after which two motions are compared, s.
+#: Times after which the motions of the file's and the engine's body are compared, s.
 TIMES = (1.0, 3.0)
-#: Spin at the start, rad/s, along the file's principal axes, ascending: one turn a second about an
-#: axis that is none of them.
+#: ω at the start, rad/s, along the file's principal axes in the order of ascending moments: one
+#: turn a second about an axis that is no principal axis.
 START = 2 * np.pi * np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
-#: A scene with a free body, described along its principal axes: otherwise the reference would
-#: compute these to 60 digits.
+#: A scene with a free body, whose tensor is diagonal: for another one the reference would compute
+#: the principal axes to 60 digits, which takes long.
 _SCENE = """spincheck = 1
 title = "Tumbling"
 source = "docs/how-to/models.md"
@@ -48,9 +48,9 @@ omega_body = {}
 duration = 3.0
 samples = 2
 """
-#: Largest angle, rad, by which rounding alone puts two such motions apart.
+#: Largest angle between two such motions that rounding alone may cause, rad.
 ROUNDING = 1e-10
-#: CPU time for one engine to read one file with its meshes, s; the largest files take a few
+#: CPU time that an engine may take to read a file with its meshes, s; the largest files take a few
 #: seconds.
 READ_LIMIT = 60.0
 
@@ -61,19 +61,19 @@ class LinkReading:
 
     Attributes
     ----------
-    body : the body that the engine holds; None if there is none: the engine refused the file, or
-        fused the link with another
-    agrees : whether the body is what the file states; None if there is nothing to compare
-    cause : in words, how the body differs and why, or why there is nothing to compare; empty if the
-        body agrees
-    kind : the cause in a word: "refused" for a file, "nothing stated" for a body that the file does
-        not state, "sum" for a wrong sum of fused links, else a word of `compared`; empty if the
-        body agrees, or there is nothing to compare
-    fused : links whose mass the engine has added to this one
-    expected : the body that the file states for this link and those fused with it
+    body : the body that the engine holds; None if the engine refused the file, or fused the link
+        with another
+    agrees : whether the body is the one that the file states; None if they cannot be compared
+    cause : in words, how the body differs and why, or why it cannot be compared; empty if it agrees
+    kind : the cause in a word: "refused" if the engine refused the file, "nothing stated" if the
+        file states no body, "sum" if the sum of fused links is wrong, else the word that
+        `compare.cause` returns; empty if the body agrees or cannot be compared
+    fused : names of the links that the engine has fused with this one
+    expected : the body that the file states for this link and those fused with it; None if it
+        states none, or if the engine holds no body
     difference : the difference of `body` from `expected`; None if they cannot be compared
-    attitude_apart_deg : by time, s, the angle, degrees, between the attitudes of the file's body
-        and the engine's, which tumble from the same start; None if there is no such motion
+    attitude_apart_deg : angle between the attitudes of the file's and the engine's body, degrees,
+        by time, s, if both tumble from the same start; None if there is no such motion
     """
 
     engine: str
@@ -101,7 +101,13 @@ class LinkReading:
 
 @dataclass(frozen=True, eq=False)
 class InspectedLink:
-    """One link, the faults of its numbers in the file, and the bodies that the engines hold."""
+    """One link of a file, as the file states it and as engines hold it.
+
+    Attributes
+    ----------
+    problems : faults of the numbers that the file states
+    readings : how each configuration of each engine holds the link
+    """
 
     link: Link
     problems: tuple[FileProblem, ...]
@@ -114,7 +120,7 @@ class InspectedLink:
 
     @property
     def is_well(self) -> bool:
-        """Whether the numbers in the file are possible and every engine holds them."""
+        """Whether the numbers in the file are possible and no engine's body differs from them."""
         return self.is_possible and all(reading.agrees is not False for reading in self.readings)
 
 
@@ -124,7 +130,8 @@ class Inspection:
 
     Attributes
     ----------
-    refusals : why an engine refuses the file, by engine and configuration
+    links : the file's links, with the bodies that engines hold
+    refusals : why engines refuse the file, by the names of engine and configuration
     """
 
     model: ModelFile
@@ -133,22 +140,22 @@ class Inspection:
 
     @property
     def columns(self) -> list[tuple[str, str]]:
-        """The pairs of an engine and a configuration that the file was read with."""
+        """The names of engine and configuration by which the file was read, in pairs."""
         return [reading.column for reading in self.links[0].readings]
 
     @property
     def composed(self) -> list[RigidBody]:
-        """The bodies of the file that consist of several links, welded together."""
+        """The bodies of the file that consist of several links which are welded together."""
         return [body for body in rigid_bodies(self.model.links) if body.welded]
 
     @property
     def is_well(self) -> bool:
-        """Whether neither the file nor any engine's body has a fault."""
+        """Whether no engine refuses the file, and all links are well (`InspectedLink.is_well`)."""
         return not self.refusals and all(link.is_well for link in self.links)
 
 
 class CannotInspectError(Exception):
-    """There is no such engine, or no engine that reads this kind of file."""
+    """A model cannot be inspected: no such engine or version, or none that reads its format."""
 
 
 @dataclass(frozen=True)
@@ -157,8 +164,10 @@ class ReaderEngine:
 
     Attributes
     ----------
-    name : as users type it, "mujoco" or "mujoco@3.3.7"
-    site : the folder it is installed in; empty for the version installed in this environment
+    name : as users type it, for example "mujoco" or "mujoco@3.3.7"
+    version : the engine's own version
+    site : the folder that has this version; empty for the version installed in this environment
+    reader : the engine's reader of model files
     """
 
     name: str
@@ -170,19 +179,19 @@ class ReaderEngine:
 def reader_engines(
     names: Sequence[str] = (), say: Callable[[str], object] = len
 ) -> list[ReaderEngine]:
-    """Return the engines with given names that read model files.
+    """Return the engines with given names, which must read model files.
 
-    An engine@version is installed first if necessary.
+    A version of an engine, such as "mujoco@3.3.7", is installed first if necessary.
 
     Parameters
     ----------
-    names : as users type them; if empty, all engines but optional ones
+    names : names as users type them; if empty, all readers of model files but optional ones
     say : called with a sentence before an installation
 
     Raises
     ------
     CannotInspectError
-        If there is no such engine, or version of it.
+        If there is no such engine that reads model files, or no such version of it.
     """
     readers = model_readers()
     chosen = []
@@ -206,13 +215,13 @@ def reader_engines(
 def inspect_model(
     model: ModelFile, executor: Executor, engines: Sequence[ReaderEngine]
 ) -> Inspection:
-    """Return the inspection of a model that engines read in each of their configurations.
+    """Return the inspection of a model, which is read by engines in all their configurations.
 
     Engines that cannot read the model's format are left out.
 
     Parameters
     ----------
-    executor : runs the engines' readings in another process, as they may crash or hang
+    executor : calls the engines, which may crash or hang, in other processes
 
     Raises
     ------
@@ -244,12 +253,14 @@ def inspect_model(
 
 
 def read_held(engine: str, model: ModelFile, configuration: str) -> dict[str, BodyReading] | str:
-    """Return the bodies that an engine holds of a file, by link, or why it refuses the file.
+    """Return the bodies that an engine has read from a file, by the names of the links.
 
-    It is called in a worker process.
+    If the engine refuses the file, the reason is returned in words. This function is called in a
+    worker process.
 
     Parameters
     ----------
+    engine : name of the engine, without a version
     configuration : name of one of the engine's configurations
     """
     reader = model_readers().get(engine)
@@ -271,8 +282,8 @@ def _compared(
 
     Parameters
     ----------
-    bodies : the engine's bodies, by link
-    who : engine, version and configuration
+    bodies : the engine's bodies, by the names of the links
+    who : names of engine, version and configuration
     """
     wholes = rigid_bodies(model.links, {link.name for link in model.links} - set(bodies))
     hosts = {part.name: body for body in wholes for part, _ in body.parts}
@@ -292,13 +303,13 @@ def _link_reading(
     who: tuple[str, str, str],
     configuration: Configuration,
 ) -> LinkReading:
-    """Return the comparison of an engine's body with what the file states.
+    """Return the comparison of an engine's body with the one that the file states.
 
     Parameters
     ----------
-    whole : the link with those that the engine fused with it, as the file states them
+    whole : the link with those that the engine has fused with it, as the file states them
     got : the engine's body
-    who : engine, version and configuration
+    who : names of engine, version and configuration
     """
     stated, others = whole.stated, tuple(link.name for link, _ in whole.parts[1:])
     if stated is None:
@@ -323,17 +334,17 @@ def _link_reading(
 def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> FloatArray | None:
     """Return the angles between the attitudes of two bodies that tumble freely, rad, (n,).
 
-    Both start with the same attitude and ω. An angle that rounding explains is returned as zero.
+    Both start with the same attitude and ω. An angle that rounding may cause is returned as zero.
 
     Parameters
     ----------
-    stated, got : tensors of the bodies about the com, link's axes, (3, 3); a factor on either has
-        no effect
+    stated, got : tensors of the bodies about the com, link's axes, (3, 3); multiplying one by a
+        factor has no effect
     times : times of the angles, s, (n,), at most 3 s, the duration of the scene
 
     Returns
     -------
-    The angles; None if no body can have one of the tensors.
+    The angles; None if a tensor is impossible, or a motion cannot be integrated
     """
     omega = np.linalg.eigh(stated)[1] @ START
     one, other = (_attitudes(tensor, omega, times) for tensor in (stated, got))
@@ -344,13 +355,13 @@ def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> Fl
 
 
 def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rotation | None:
-    """Return the attitude at each time of a body that tumbles freely, from the identity on.
+    """Return the attitudes at n times of a body that tumbles freely and starts at the identity.
 
-    None is returned if no body can have the tensor, or the motion cannot be integrated.
+    None is returned if the tensor is impossible, or if the motion cannot be integrated.
 
     Parameters
     ----------
-    tensor : about the com, body axes, up to a factor, (3, 3)
+    tensor : tensor about the com, body axes, (3, 3); a factor has no effect
     omega : angular velocity at the start, body axes, rad/s, (3,)
     times : s, (n,)
     """

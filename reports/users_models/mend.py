@@ -1,4 +1,4 @@
-"""Writes a model so that every engine holds the bodies that it states, and lists the changes."""
+"""Corrects a model file so that all engines hold the bodies that it states; lists the changes."""
 
 from dataclasses import dataclass
 
@@ -25,18 +25,18 @@ from ...scenarios import FloatArray
 from .findings import Finding, grouped
 from .inspection import InspectedLink, Inspection
 
-#: Density, kg/m³, of a body that is made up: that of water. It fills the box about its shapes,
-#: whose sides are at least `THIN`, m; a link without shapes is a cube of side `CUBE`, m.
+#: Density of a body that is made up, that of water, kg/m³; the least side of the box about a link's
+#: shapes, m, which the body fills; and the side of the cube for a link without shapes, m.
 WATER, THIN, CUBE = 1000.0, 1e-3, 0.01
-#: Least second moment of the nearest possible tensor, relative to the largest moment: rounding does
-#: not make the tensor impossible again.
+#: Least second moment of the nearest possible tensor, relative to the largest moment of inertia, so
+#: that rounding does not make the tensor impossible again.
 LEAST_SPREAD = 1e-6
-#: Matrix from the second moments along the principal axes to the moments of inertia: I1 = S2 + S3,
-#: and so on.
+#: Matrix that takes the second moments along the principal axes, S = Σ m x², to the moments of
+#: inertia: I1 = S2 + S3, and so on.
 MOMENTS_BY_SPREAD = np.ones((3, 3)) - np.eye(3)
 #: The body of a link that is written as massless.
 NOTHING = BodyReading(0.0, np.zeros(3), np.zeros((3, 3)))
-#: Comment in the file, beside what its author did not state.
+#: Comment that is written into the file before an inertia that is made up.
 REMARK = "made up by spincheck"
 
 
@@ -46,9 +46,10 @@ class Wishes:
 
     Attributes
     ----------
-    nearest : write the nearest possible tensor for one that no body can have
-    made_up : make up an inertia for links that move and have none
-    compose : write the mass of welded links as that of one of them, and the others as massless
+    nearest : whether an impossible tensor is replaced by the nearest possible one
+    made_up : whether an inertia is made up for links that move and have none
+    compose : whether links that are welded together are written as one link with the mass of all,
+        and the others as massless
     """
 
     nearest: bool = False
@@ -62,9 +63,9 @@ class Mended:
 
     Attributes
     ----------
-    data : the content of the file
+    data : the content of the corrected file
     changes : what was changed
-    left : what cannot be corrected in the file, or was not asked for
+    left : faults that remain, as they cannot be corrected or the user did not ask for it
     """
 
     data: bytes
@@ -72,15 +73,20 @@ class Mended:
     left: list[Finding]
 
 
-#: By link, the body to be written and what that changes; without a body, why the link is left as it
-#: is.
+#: For each link, by name, the body that is to be written and, in words, what that changes. If the
+#: body is None, the link is left as it is, and the words say why; they are empty without a fault.
 Plan = dict[str, tuple[BodyReading | None, str]]
 
 
 def mended(inspection: Inspection, wishes: Wishes) -> Mended:
-    """Return the model with the inertias corrected, written along the links' own axes.
+    """Return the model with corrected inertias, whose tensors are written along the links' axes.
 
     All else in the file stays as it is.
+
+    Parameters
+    ----------
+    inspection : the model, and the bodies that engines hold
+    wishes : which optional changes are made
     """
     model = inspection.model
     elements = elements_of(model)
@@ -136,10 +142,13 @@ def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
 
 
 def _compose(whole: RigidBody, plan: Plan) -> None:
-    """Plan that one of several welded links states the mass of all, and the others are massless.
+    """Plan that the host of welded links states the mass of all, and the others are massless.
+
+    If one of the links cannot be corrected, they are not composed.
 
     Parameters
     ----------
+    whole : the host and the links welded to it
     plan : what is written for each link; changed in place
     """
     parts = [
@@ -165,18 +174,18 @@ def _compose(whole: RigidBody, plan: Plan) -> None:
 def _alone(
     inspected: InspectedLink, form: str, massless: bool, wishes: Wishes
 ) -> tuple[BodyReading | None, str]:
-    """Return the body that is written for a link without regard to links welded to it.
+    """Return the body that is to be written for a link, without regard to links welded to it.
 
     Parameters
     ----------
+    inspected : the link, its faults, and the bodies that engines hold
     form : format of the file, "urdf" or "mjcf"
     massless : whether the link moves, and neither it nor any link welded to it has an inertia
     wishes : which optional changes are made
 
     Returns
     -------
-    The body, None if the file stays as it is, and in words what that changes or why it stays; the
-    words are empty if nothing is wrong.
+    The link's entry in a `Plan`
     """
     link, stated = inspected.link, inspected.link.stated
     if link.by_shapes:
@@ -214,9 +223,9 @@ def _alone(
 def _without_inertia(link: Link, wishes: Wishes) -> tuple[BodyReading | None, str]:
     """Return a body that is made up for a link without tensor or mass, and words on its origin.
 
-    The body fills the box about the link's shapes evenly. Its mass and com are those that the file
-    states, or else those of water in the box. If the user does not wish for made-up bodies, the
-    body is None, and the words say what is missing.
+    Its tensor is that of a uniform box around the link's shapes. Its mass and com are those that
+    the file states, else those of this box filled with water. If `wishes` does not ask for made-up
+    bodies, the body is None, and the words say what is missing.
     """
     if not wishes.made_up:
         return None, "it has no mass, or no tensor; '--made-up' makes one up from its shapes"
@@ -237,9 +246,9 @@ def nearest_possible(inertia: FloatArray) -> FloatArray | None:
     """Return the possible tensor nearest to an impossible one, kg m², (3, 3).
 
     The distance is the Frobenius norm of the difference. As rotations do not change this norm, the
-    tensor has the same axes; its moments are found by least squares with second moments that are
-    not negative (Lawson & Hanson, Solving Least Squares Problems, ch. 23). None is returned if all
-    second moments found are zero.
+    nearest tensor has the same principal axes. Its moments are found by least squares, under the
+    condition that the second moments are not negative (Lawson & Hanson, Solving Least Squares
+    Problems, ch. 23). None is returned if they are all zero.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Makes scenes of a model's links, and says which links were left out.
 
-Each link tumbles on its own, with the numbers that its file states; links that are welded together
-are one body and make one scene.
+In each scene one link tumbles, with the mass, com and tensor that the file states. Links that are
+welded together are one body, and so they share one scene.
 """
 
 import math
@@ -19,10 +19,10 @@ from ...scenarios import ScenarioError, loads
 from ...scenarios.regular_files import file_name
 from ...scenarios.write import to_toml
 
-#: Spin at the start, rad/s, along the principal axes, ascending moments: a turn a second about the
-#: middle axis, which is unstable, and a little about the others.
+#: ω at the start, rad/s, along the principal axes in the order of ascending moments: about a turn a
+#: second about the middle axis, which is unstable, and a twentieth of that about the others.
 START = 2 * math.pi * np.array([0.05, 1.0, 0.05])
-#: Duration of a scene, s, and number of samples.
+#: Duration of a scene, s, and its number of samples.
 DURATION, SAMPLES = 3.0, 301
 
 
@@ -32,9 +32,10 @@ class LinkScene:
 
     Attributes
     ----------
-    link : name of the link, to which others may be welded
-    welded : names of the links with an inertia that are welded to it: parts of the same body
-    name : name of the scene: the link's, in characters that file names may have
+    link : name of the link
+    welded : names of the links that are welded to it, as parts of the same body, and for which the
+        file states an inertia
+    name : name of the scene: that of the link, in characters that file names may have
     text : text of the scene's file; empty if the link is left out
     left_out : why the link is left out; empty if it is not
     """
@@ -47,16 +48,15 @@ class LinkScene:
 
 
 def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
-    """Yield, for every link, a scene in which it tumbles, or why there is none.
-
-    Links that are welded to another are part of its scene.
+    """Yield a scene, or why there is none, for each link that is not welded to another.
 
     Parameters
     ----------
-    folder : folder that the scenes will be in, to which the path of the model in them is relative
+    folder : folder in which the scenes will be; the path of the model that they state is relative
+        to it
     """
     taken: list[str] = []
-    # The relative path may need `..`, which `Path.relative_to` only writes from Python 3.12 on.
+    # The relative path may need `..`, which `Path.relative_to` writes only from Python 3.12 on.
     file = Path(os.path.relpath(model.folders.own / model.path.name, folder)).as_posix()
     for body in rigid_bodies(model.links):
         name, stated = file_name(body.host.name, taken), body.stated

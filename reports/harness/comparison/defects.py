@@ -1,12 +1,12 @@
-"""The defects of a run: the difference from the exact flow that arises between two samples.
+"""The defects of a run: the differences from the exact flow that arise between two samples.
 
-From each sample of a run the exact flow is followed to the time of the next sample, and its state
-is compared with that sample. Earlier errors do not count. So a defect is meaningful even where a
-motion is chaotic or errors have saturated, and it shows a fault in the interval in which it acts
-(W. H. Enright, J. Comput. Appl. Math. 125 (2000) 159; L. F. Shampine, J. Comput. Appl. Math. 175
-(2005) 195). The intervals cover the whole run, so that no fault is missed.
+The exact motion that starts in a sample of the run is followed to the time of the next sample, and
+its state there is compared with that sample. Earlier errors do not count. So a defect is meaningful
+even where a motion is chaotic or errors have saturated, and a fault shows in the interval in which
+it acts (W. H. Enright, J. Comput. Appl. Math. 125 (2000) 159; L. F. Shampine, J. Comput. Appl.
+Math. 175 (2005) 195). The intervals cover the whole run, so that no fault is missed.
 
-Defects are in the norms of errors, relative to the same bases of the exact motion.
+Defects are measured in the same norms as errors, relative to the same scales of the exact motion.
 """
 
 from dataclasses import dataclass, replace
@@ -21,13 +21,13 @@ from ....scenarios.fastest_rate import fastest_rate
 from ....scenarios.mechanics import RECENT
 from ...results.records import Defect, Row
 
-#: Largest turn of a motion, rad, that is followed: a larger turn would take more than a second.
+#: Largest turn of a motion, rad, whose defects are computed: more would take over a second.
 FARTHEST_TURN = 1e5
-#: Least error of a step by rounding, relative: it is several ulp, as a step has several products.
+#: Least rounding error of a step, relative: it is several ulp, as a step has several products.
 LEAST_ROUNDING = 8 * float(np.finfo(float).eps)
 #: Relative noise of a step that is no fault: the tolerance of iterative solvers.
 NOISE = 1e-12
-#: A body moves if it turns by this fraction of the exact motion's mean turn between two samples.
+#: Least turn in an interval, relative to the exact motion's mean, of a body that is not at rest.
 MOVING = 1e-3
 
 
@@ -38,9 +38,9 @@ class Defects:
     Attributes
     ----------
     t : ends of the intervals between samples, s, (n − 1,)
-    series : the defects at these times
-    rounding : the largest defects of the exact motion rounded to doubles: rounding errors at the
-        beginning of an interval, as they have grown by its end
+    series : the defects in these intervals
+    rounding : the largest defects of the exact motion itself, rounded to doubles: how far rounding
+        errors at the beginning of an interval grow until its end
     """
 
     t: FloatArray
@@ -48,15 +48,15 @@ class Defects:
     rounding: Errors
 
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
-        """Return, by signal, median, 95th percentile, maximum (with its time) and floor of defects.
+        """Return the statistics of the defects, by the name of the signal.
 
-        The floor is the size of defects that rounding may cause.
+        The floor of the defects, which rounding may cause, grows as the root of the number of steps
+        in an interval, like a random walk.
 
         Parameters
         ----------
-        steps : number of steps of the whole run; the rounding errors of an interval's steps add up
-            like a random walk
-        ulp : relative spacing of the engine's numbers
+        steps : number of steps of the whole run
+        ulp : relative spacing of the engine's floating-point numbers
         """
         step = max(ulp, NOISE) / np.finfo(float).eps
         roundings = np.sqrt(1 + steps / len(self.t)) * step
@@ -68,9 +68,10 @@ class Defects:
         }
 
     def attitude_a_turn(self, motion: Trajectory, usual: float) -> float | None:
-        """Return the median attitude error that a turn of the run adds, rad; None if it is at rest.
+        """Return the median over the intervals of the attitude error per turn of the run, rad.
 
-        Intervals at rest are left out, as a run that has stopped would seem exact.
+        Intervals in which the run is at rest are left out, as a run that has stopped would seem
+        exact. The value is None if all intervals are left out.
 
         Parameters
         ----------
@@ -85,10 +86,10 @@ class Defects:
 
 
 def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defects | None:
-    """Return the defects of a run.
+    """Return the defects of a run; None if they cannot be computed.
 
-    It is None if the run has one sample only, turns too far, or cannot be followed by the exact
-    flow.
+    They cannot if the run has only one sample or turns by more than `FARTHEST_TURN`, or if the
+    exact motion from one of its samples cannot be found.
 
     Parameters
     ----------
@@ -107,10 +108,10 @@ def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defect
 
 
 def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: bool) -> Row:
-    """Return the row of a run with its defects, and the attitude error that a turn adds.
+    """Return a row with the run's defects added, and the attitude error per turn.
 
-    A row without motion or errors, or of a run whose defects cannot be computed, is returned as it
-    is.
+    The row is returned unchanged if it has no motion or no errors, or if the defects cannot be
+    computed.
 
     Parameters
     ----------
@@ -129,7 +130,7 @@ def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: 
 
 
 def turns_made(motion: Trajectory) -> FloatArray:
-    """Return the turns, of 2π rad, between successive samples of a motion, (n − 1,)."""
+    """Return the number of turns, of 2π rad, between successive samples of a motion, (n − 1,)."""
     rates = np.linalg.norm(motion.omega_body, axis=1)
     turns: FloatArray = (rates[1:] + rates[:-1]) / (4 * np.pi) * np.diff(motion.t)
     return turns
@@ -137,13 +138,16 @@ def turns_made(motion: Trajectory) -> FloatArray:
 
 @lru_cache(maxsize=RECENT)
 def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
-    """Return the largest defects of the exact motion, by rounding; at least `LEAST_ROUNDING`."""
+    """Return the largest defects of the exact motion, due to rounding to doubles.
+
+    In every signal it is at least `LEAST_ROUNDING`.
+    """
     of_exact = _series(scenario, exact, exact).worst()
     return Errors(**{name: max(value, LEAST_ROUNDING) for name, value in of_exact})
 
 
 def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
-    """Return the defects of a motion in every interval, in the norms of `exact`."""
+    """Return the defects of a motion in every interval, in the norms of errors from `exact`."""
     flowed = flow(scenario, motion, np.diff(motion.t))
     made, right = (ErrorNorm(scenario, one).true_table for one in (motion, flowed))
     norm = norm_of(scenario, exact)

@@ -24,7 +24,7 @@ from ..timesteps.ladder import Rung
 from ..timesteps.stock import stock_timesteps
 from .defects import turns_made
 
-#: A run whose energy error exceeds this many times the base has blown up.
+#: Relative error of the energy above which a run has blown up.
 ABSURD_ENERGY = 10.0
 #: Turns are counted until the attitude error exceeds this angle, rad.
 DEGREE = np.pi / 180
@@ -40,14 +40,17 @@ def row_of(
 ) -> Row:
     """Return the row of a run, compared with the exact motion at the run's own sample times.
 
-    Its outcome is `failed` if the call failed, `diverged` if the energy error exceeds
-    `ABSURD_ENERGY`, else the run's own. Only an `ok` run has errors, and one without samples is not
-    compared. An `ok` run that is no better than no motion is marked (`Row.without_skill`), and has
-    the cause `lost` unless it has another.
+    The outcome is `failed` if the call failed, `diverged` if the energy error exceeds
+    `ABSURD_ENERGY`, else the run's own. Errors are given only for an `ok` run; without samples
+    nothing is compared. An `ok` run that is no better than no motion is marked
+    (`Row.without_skill`), and gets the cause `lost` unless it has another cause.
 
     Parameters
     ----------
-    version : the engine's version, if the run's call has failed
+    key : names of scene, engine and method
+    version : the engine's version, which the row states if the call failed
+    rung : the timestep and samples of the run
+    result : the run, or why the call that should make it failed
     solution : the exact motion at the samples of the rung
     """
     if isinstance(result, CallFailed):
@@ -102,14 +105,16 @@ def compared(
     solution: Solution,
     steps: StepEvidence | None,
 ) -> Row:
-    """Return the row of a study's run, marked if the method's single steps show a fault.
+    """Return the row of a study's run, compared with the exact motion.
 
-    The row also states what the engine printed, and whether the timestep is a stock timestep.
+    It also states a fault of the method's single steps, what the engine printed, and whether the
+    timestep is a stock timestep.
 
     Parameters
     ----------
-    answer : the run, and what the engine printed
-    steps : the evidence from single steps; None if there is none
+    answer : the run, or why its call failed, and what the engine printed
+    solution : the exact motion at the samples of the rung
+    steps : the evidence from single steps; None if there is none, or if it does not matter
     """
     run = _of_other_law(answer.value, steps)
     row = row_of(scenario, key, engine.version, rung, run, solution)
@@ -117,9 +122,10 @@ def compared(
 
 
 def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | CallFailed:
-    """Return the run, marked if single steps do not obey the scene's equations of motion.
+    """Return a run, with a fault of single steps added to its reason.
 
-    A cause that the run has itself is kept; a failed call is returned as it is.
+    Its cause becomes `law` unless it has another. A failed call is returned unchanged, and so is a
+    run if single steps show no fault.
     """
     if isinstance(run, CallFailed) or not (steps and steps.fault):
         return run
@@ -130,9 +136,10 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
 def unmet_expectations(
     scenario: Scenario, expected: Expect, row: Row, exact: Trajectory
 ) -> list[str]:
-    """Return a scene's unmet expectations of a run, as `WHAT at TIMESTEP: the actual value`.
+    """Return in words each part of an expectation that a run does not meet.
 
-    A run without errors has one unmet expectation, with all bounds, unless it was to diverge.
+    There is one sentence for each signal whose error exceeds its bound. If a run did not diverge as
+    expected, or has no errors to compare, there is one sentence on its outcome.
 
     Parameters
     ----------
@@ -158,13 +165,16 @@ def unmet_expectations(
 
 
 def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: float) -> str:
-    """Return in words since when a signal exceeds a bound; empty if the time is not known."""
+    """Return in words the first time at which a signal's error exceeds a bound.
+
+    It is empty if `series`, the errors at the times of `exact`, is None or never exceeds the bound.
+    """
     first = series.first_beyond(name, bound) if series else None
     return "" if first is None else f" from t = {exact.t[first]:.4g} s on"
 
 
 def _in_unit(name: str, size: float) -> str:
-    """Return an error of a signal in words: `0.705° (0.0123 rad)` of an angle, else `1e-06`."""
+    """Return the size of an error as text: `0.705° (0.0123 rad)` if an angle, else `1e-06`."""
     if SIGNAL[name].unit == "rad":
         return f"{size * SIGNAL[name].shown:.3g}° ({size:.3g} rad)"
     return f"{size:.3g}"
@@ -175,20 +185,20 @@ def no_better_than_rest(
 ) -> str:
     """Return in words the signals in which a run is no better than no motion; empty if none.
 
-    Bounds on energy and norms do not find such runs, as a run stays bounded with an implicit rule
-    at too large a step, a clamp, a joint motor or another body in the model. They are found by
-    comparison with rest, a body that neither turns nor moves, as a forecast without skill is found
-    by comparison with a trivial forecast (A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417). A run is
-    `lost` in a signal if its distance from the exact motion is at least the size of the run or the
-    size of the exact motion, whichever is smaller.
+    Bounds on energy and norms do not find such runs: a run stays bounded even with an implicit
+    integrator at too large a step, a clamp, a joint motor or another body in the model. It is
+    compared with rest instead, a body that neither turns nor moves, as a forecast without skill is
+    found by comparison with a trivial forecast (A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417). A
+    run is `lost` in a signal if its distance from the exact motion is at least the size of the run
+    or the size of the exact motion, whichever is smaller.
 
-    The distance is a root mean square over the second half of the window, as errors grow, and as a
-    single sample of a motion that flips a little early has an error of twice its size. The sizes
-    are root mean squares over the whole window. L, which only a torque can change, does not flip:
-    its largest error at any sample is compared with the largest |L|.
+    The distance is a root mean square over the second half of the window, for two reasons: errors
+    grow, and at a single sample a motion that flips a little early has an error of twice its size.
+    The sizes are root mean squares over the whole window. L does not flip, as only a torque can
+    change it: its largest error at any sample is compared with the largest |L|.
 
-    The outcome of such a run is `ok`, with no time at which it stopped, and on a ladder its error
-    counts like that of any other run. `Row.survived` is false.
+    The outcome of such a run stays `ok`, and on a ladder its error counts like that of any other
+    run, but `Row.survived` is false.
 
     Parameters
     ----------
@@ -214,15 +224,15 @@ def _signals(
 
 
 def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -> Iterator[str]:
-    """Yield a complaint if a signal that is zero at rest is no better than rest.
+    """Yield a complaint if a run is no better than no motion in a signal that is zero at rest.
 
     There is none if the exact signal is zero throughout.
 
     Parameters
     ----------
     name : name of the signal
-    run, exact : its values, in the run and in the exact motion, (n, 3) each
-    times : s, (n,)
+    run, exact : values of the signal in the run and in the exact motion, (n, 3) each
+    times : times of the values, s, (n,)
     """
     if not exact.any():
         # Relative to a size of zero, even round-off would be infinite.
@@ -235,12 +245,18 @@ def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -
 
 
 def _words(name: str, ratio: float, since: float) -> str:
-    """Return a complaint about a signal: the ratio of its error to its size, and since when, s."""
+    """Return a complaint about a signal.
+
+    Parameters
+    ----------
+    ratio : the signal's error, relative to the size of the exact signal
+    since : the first time at which the error is as large as the smaller of the two sizes, s
+    """
     return f"{name} is off by {ratio:.2g} times its size, from t = {since:.3g} s on"
 
 
 def _norms(vectors: FloatArray) -> FloatArray:
-    """Return the norms of vectors, (n, 3)."""
+    """Return the norms, (n,), of vectors, (n, 3)."""
     return np.asarray(np.linalg.norm(vectors, axis=1))
 
 

@@ -1,6 +1,7 @@
 """Chooses the methods that are also timed with no pass left out, and compares their motions.
 
-A pass, or part of a step, is left out if a scene does not call for it (`Engine.left_out`).
+A pass is a part of a step, such as the search for contacts. An adapter leaves out the passes that a
+scene does not call for (`Engine.left_out`).
 """
 
 import math
@@ -14,7 +15,7 @@ from ....engines.varied_engine import VariedEngine
 from ....scenarios import FloatArray, Scenario
 from ..choice import EngineMethod
 
-#: Angle turned in a step at the start, rad, where motions are compared: small for any method.
+#: Angle turned in the first step, rad, when motions are compared: small for any method.
 COMPARED_TURN = 0.05
 #: Largest number of steps in the comparison of motions.
 MOST_STEPS = 1 << 13
@@ -25,10 +26,11 @@ COMPARED = 16
 def with_all_left_in(
     scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> list[tuple[VariedEngine, Method]]:
-    """Return the methods that are also timed with the passes that they leave out on a scene.
+    """Return the methods that are also timed with all the passes that they leave out on a scene.
 
-    Of an engine's methods that leave out the same passes, these are the first method and one of the
-    highest order, which reports recommend. Each comes with its engine, varied to leave nothing out.
+    An engine's methods are grouped by the passes that they leave out. Of each group the first
+    method is returned, and the first of the highest order, which reports recommend. Each comes with
+    a variant of its engine that leaves nothing out.
 
     Parameters
     ----------
@@ -53,12 +55,13 @@ def motions_apart(
 
     Parameters
     ----------
+    engine : the varied engine
     name : name of the method
 
     Returns
     -------
-    The time, s, up to which the motions were compared, and the largest difference of any component
-    of their states, SI; None if not even the first comparison was reached
+    The time of the last comparison, s, and the largest difference so far of any component of the
+    states, SI; None if the engine failed before the first comparison
 
     Raises
     ------
@@ -84,7 +87,11 @@ def motions_apart(
 
 
 def _number_of_steps(scenario: Scenario) -> int:
-    """Return the number of steps over the window, a multiple of `COMPARED`."""
+    """Return the number of steps over the window, a multiple of `COMPARED`.
+
+    A step turns the body by `COMPARED_TURN` at the start, unless more than about `MOST_STEPS` steps
+    would be needed.
+    """
     turned = float(np.linalg.norm(scenario.start.omega_body)) * scenario.window.duration
     wanted = min(turned / COMPARED_TURN, MOST_STEPS)
     return COMPARED * max(1, math.ceil(wanted / COMPARED))

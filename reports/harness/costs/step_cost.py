@@ -1,4 +1,4 @@
-"""Measures the cost of a step. Only the engine's own stepping is in the timed region."""
+"""Measures the CPU time of a step. Nothing but the engine's own stepping is timed."""
 
 import math
 import time
@@ -19,26 +19,26 @@ from ..executors import Answer, CallFailed, Executor, is_environmental
 
 T = TypeVar("T")
 
-#: Least CPU time of a timed stretch of steps, s: so short that many stretches fall between two
-#: ticks of the system's clock.
+#: Least CPU time of a stretch, s: a number of steps that are timed together. It is so short that
+#: many stretches fall between two timer interrupts of the operating system.
 STRETCH = 0.001
-#: Least length of a stretch in units of the measured resolution of the clock.
+#: Least CPU time of a stretch in units of the measured resolution of the clock.
 RESOLUTIONS = 100
-#: Largest share of a stretch that a call's own cost, independent of the number of steps, may have.
+#: Largest fraction of a stretch's time that may be the overhead of the call that takes the steps.
 SHARE_OF_CALL = 0.02
-#: Number of timed stretches of a method; the minimum is reported, their spread is the noise.
+#: Number of timed stretches of a method. The shortest counts; max − min is the noise.
 REPEATS = 9
-#: Number of significant binary digits of a stretch's number of steps: engines that take a power of
-#: two of steps in a call need at most that many calls.
+#: Number of significant binary digits of a stretch's number of steps: engines whose calls take
+#: powers of two of steps need at most this many calls.
 DIGITS_OF_STEPS = 3
 #: Number of steps before the first timed one, to warm up caches, allocations and branch predictors.
 #: The stretches that determine the number of steps warm up further.
 WARM_UP = 16
-#: Number of stretches of one length, of which the shortest counts, while the length is determined.
+#: Number of times that a stretch is tried, to determine its number of steps; the shortest counts.
 TRIALS = 3
 #: Angle turned in a timed step, rad: so small that no method blows up while it is timed.
 TIMED_TURN = 1e-4
-#: Number of changes of the clock's value from which its resolution is measured.
+#: Number of changes of the clock's value of which the least is taken for its resolution.
 CLOCK_TICKS = 100
 
 
@@ -55,7 +55,7 @@ class TimingRefused(Exception):
 
 
 def timed(answer: Answer[T]) -> T | CallFailed:
-    """Return the result of a call that times steps.
+    """Return what a call that times steps has returned, or why it failed.
 
     Raises
     ------
@@ -70,10 +70,10 @@ def timed(answer: Answer[T]) -> T | CallFailed:
 def measure(
     executor: Executor, scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> tuple[list[StepCost | None], list[str]]:
-    """Time every method on a scene; methods that run in one process are timed together.
+    """Time every method on a scene; methods whose engines share a site are timed interleaved.
 
-    If a method crashes or hangs the process, the methods are timed one by one, no longer
-    interleaved, so that only the cost of that method is missing.
+    If such a common call fails, as when a method crashes the process, each method is timed in a
+    call of its own, so that only the cost of the failing method is missing.
 
     Parameters
     ----------
@@ -81,7 +81,8 @@ def measure(
 
     Returns
     -------
-    The costs, None for each that is missing, and complaints in words.
+    The cost of each method, None if it is missing; and a sentence on each method whose own call
+    failed
 
     Raises
     ------
@@ -108,12 +109,14 @@ def measure(
 
 
 def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCost | None]:
-    """Time every method on a scene, interleaved; None for a method that does not load or step.
+    """Time every method on a scene, one stretch of each in turn, and return the costs of a step.
+
+    The cost is None for a method that the engine cannot load or step.
 
     Parameters
     ----------
-    pairs : engines and their methods; the ratio of a varied engine's cost to that of the unvaried
-        engine is measured if both are among them
+    pairs : engines and their methods; if both a varied engine and the unvaried one are among them,
+        the cost of the varied one states the ratio of the two
 
     Raises
     ------
@@ -142,9 +145,9 @@ def timed_timestep(scenario: Scenario) -> float:
 
 
 def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[TimingSample]]:
-    """Time sessions in turn, and return `REPEATS` timed stretches of each.
+    """Time one stretch of each session in turn, `REPEATS` times, and return the stretches of each.
 
-    A session that its engine fails to load or to step has no stretches.
+    The list is empty for a session that the engine fails to load or to step.
 
     Parameters
     ----------
@@ -167,7 +170,14 @@ def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[TimingSa
 
 @dataclass
 class _Timed:
-    """A session that is timed until its engine refuses something."""
+    """A session that is timed until its engine raises an error.
+
+    Attributes
+    ----------
+    stack : closes the session in the end
+    opening : the function that opens the session
+    stretches : the timed stretches; empty after an error
+    """
 
     stack: ExitStack
     opening: Callable[[], Session]
@@ -178,9 +188,9 @@ class _Timed:
         self.attempt(self.open)
 
     def attempt(self, action: Callable[[], None]) -> None:
-        """Call an action that the engine may refuse, unless it has refused one before.
+        """Call an action, unless an earlier one has raised `EngineError`.
 
-        If it refuses, all times are discarded; an error that the machine is to blame for is raised.
+        If it raises one, all times are discarded; if the machine is to blame, the error is raised.
         """
         if self.gave_up:
             return
@@ -193,7 +203,7 @@ class _Timed:
             self.stretches.clear()
 
     def open(self) -> None:
-        """Load the session, warm it up, and determine the number of steps of a stretch."""
+        """Open the session, warm it up, and set the number of steps of a stretch."""
         self.session = self.stack.enter_context(self.opening())
         self.session.advance(WARM_UP)
         short = self._seconds(WARM_UP)
@@ -204,20 +214,21 @@ class _Timed:
             self.steps = _in_few_calls(math.ceil(self.steps * longer))
 
     def _least(self, short: float, seconds: float) -> float:
-        """Return how long a stretch must last at least, s, for its time to be trusted.
+        """Return the least CPU time of a stretch, s, that is not dominated by the measurement.
 
-        The clock's resolution and the cost of a call must be small parts of it.
+        The clock's resolution and the overhead of a call must be small compared to it.
 
         Parameters
         ----------
-        short, seconds : durations of a stretch of `WARM_UP` steps and of the last one tried, s
+        short : CPU time of a stretch of `WARM_UP` steps, s
+        seconds : CPU time of a stretch of `steps` steps, s
         """
         a_step = max(0.0, seconds - short) / (self.steps - WARM_UP)
         a_call = max(0.0, short - WARM_UP * a_step)
         return max(STRETCH, RESOLUTIONS * resolution(), a_call / SHARE_OF_CALL)
 
     def time(self) -> None:
-        """Time one stretch."""
+        """Time one stretch, and keep the result."""
         self.stretches.append(self._stretch(self.steps))
 
     def check(self) -> None:
@@ -235,7 +246,7 @@ class _Timed:
             raise EngineError("the state is no longer finite")
 
     def _seconds(self, steps: int) -> float:
-        """Return the CPU time of a stretch of some steps, s, the shortest of `TRIALS`."""
+        """Return the least CPU time, s, of `TRIALS` stretches of some steps each."""
         return min(self._stretch(steps).cpu * steps for _ in range(TRIALS))
 
     def _stretch(self, steps: int) -> TimingSample:
@@ -245,14 +256,14 @@ class _Timed:
 
 
 def _in_few_calls(steps: int) -> int:
-    """Return `steps`, rounded up to a number of `DIGITS_OF_STEPS` significant binary digits."""
+    """Return `steps`, rounded up to `DIGITS_OF_STEPS` significant binary digits."""
     unit = 1 << max(0, steps.bit_length() - DIGITS_OF_STEPS)
     return math.ceil(steps / unit) * unit
 
 
 @cache
 def resolution() -> float:
-    """Return the measured resolution of the CPU clock, s, as some systems report a wrong one."""
+    """Return the resolution of the CPU clock, s; measured, as some systems report a wrong one."""
     changes: list[float] = []
     before = time.process_time()
     while len(changes) < CLOCK_TICKS:
@@ -268,7 +279,9 @@ def _cost(stretches: Sequence[TimingSample], plain: Sequence[TimingSample]) -> S
 
     Parameters
     ----------
-    plain : for a varied engine, stretches of the unvaried engine, timed in turn with these
+    stretches : the method's timed stretches
+    plain : for a varied engine, the stretches of the unvaried engine that were timed in turn with
+        them; empty for other engines, and if there are none
     """
     if not stretches:
         return None

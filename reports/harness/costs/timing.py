@@ -20,11 +20,13 @@ def time_scene(
     executor: Executor,
     progress: Callable[[str], None],
 ) -> None:
-    """Time every method that can simulate a scene, some also with the passes they leave out.
+    """Measure and store the cost of a step of every method that can simulate a scene.
 
-    All methods are timed in one call, interleaved, even if the time of only one is missing, as
-    times taken at different moments cannot be compared. Times are stored last, so that a scene with
-    times is complete. If the machine prevented the timing, the next run repeats it.
+    Some methods are also timed with the passes that they leave out (`left_out.with_all_left_in`).
+
+    All methods are timed again, interleaved, even if the cost of only one is missing, as times
+    taken at different moments cannot be compared. All costs are stored together at the end. If the
+    machine prevented the timing, nothing is stored, and the next study repeats it.
 
     Parameters
     ----------
@@ -41,7 +43,10 @@ def time_scene(
 def _time_scene(
     scene: SceneLeft, choice: Choice, store: Store, executor: Executor
 ) -> Sequence[str]:
-    """Do as `time_scene` does; return complaints, or raise `TimingRefused`."""
+    """Time a scene and store its costs; return a sentence on each method that could not be timed.
+
+    It raises `TimingRefused`, and stores nothing, if the machine prevented the timing.
+    """
     scenario = scene.scenario
     verdicts = {verdict.key: verdict for verdict in settled_verdicts(scenario, choice, store)}
     pairs = [

@@ -1,4 +1,4 @@
-"""Where calls are made: in this process or in local worker processes."""
+"""Executors, which call functions in this process or in local worker processes."""
 
 from .executor import Answer, CallFailed, Executor, ExecutorStopped
 from .in_process import InProcess

@@ -1,7 +1,8 @@
 """Compiles the solver of exact motions, in two processes at once, before it is needed.
 
-``python -m spincheck.reports.harness.executors.compiling`` does so after an installation, and a
-study before its first scene: otherwise each worker would compile for itself.
+It is compiled after an installation, by
+``python -m spincheck.reports.harness.executors.compiling``, or else before the first scene of a
+study: otherwise each worker would compile for itself.
 """
 
 from collections.abc import Callable
@@ -12,33 +13,33 @@ from ....reference.kernel import FOLDER
 from .executor import Executor
 from .local_workers import LocalWorkers
 
-#: The functions that compile the kernels: each about half of them.
+#: The functions that compile the solver's kernels: each compiles about half of them.
 HALVES = (compile_march, compile_flow)
-#: Time that the slower of both takes on a core of its own, with the start of a process, s.
+#: Time that the slower half takes on a core of its own, including the start of a process, s.
 SECONDS = 19.0
 
 
 def compile_side_by_side(executor: Executor) -> None:
-    """Compile all missing kernels in parallel, with one job for each function of `HALVES`.
+    """Compile all missing kernels, by one call for each function of `HALVES`, in parallel.
 
     Nothing is done if all are compiled, or if there is no folder to keep machine code in.
     """
-    # Without a folder for machine code every process has to compile for itself.
+    # Without such a folder every process has to compile for itself.
     if FOLDER is None or is_compiled():
         return
     for _ in executor.each(partial(executor.call, half) for half in HALVES):
         pass
-    # Both are loaded now: this call checks that nothing is missing, and marks the folder as
-    # complete.
+    # This call finds both halves in the folder, compiles what may be missing, and marks the folder
+    # as complete.
     executor.call(compile_kernels)
 
 
 def compile_first(tell: Callable[[str], object]) -> None:
-    """Compile the solver for a process that solves motions itself, if it is not compiled yet.
+    """Compile the solver, if it is not compiled yet, before this process solves a motion itself.
 
     Parameters
     ----------
-    tell : called first, with the sentence that announces the compilation
+    tell : called before the compilation, with a sentence that announces it
     """
     if is_compiled():
         return

@@ -1,4 +1,4 @@
-"""The interface of executors: each makes calls, in this process or in workers."""
+"""The interface of executors, which call functions in this process or in worker processes."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
@@ -12,17 +12,17 @@ from ....engines import Cause
 P = ParamSpec("P")
 T = TypeVar("T")
 
-#: Number of tasks waiting for a thread, for each running task: enough to keep all threads busy.
+#: Number of tasks that wait, for each thread: enough to keep all threads busy.
 QUEUED_PER_THREAD = 1
 
 
 @dataclass(frozen=True)
 class CallFailed:
-    """The answer of a call that returned nothing: it raised, crashed, hung, or was killed.
+    """Why a call has no value: the function raised, or the process crashed, hung or was killed.
 
     Attributes
     ----------
-    reason : why, in one sentence
+    reason : what happened, in one sentence
     cause : the cause in one word
     """
 
@@ -36,8 +36,9 @@ class Answer(Generic[T]):
 
     Attributes
     ----------
-    value : what the call returned, or why it returned nothing
-    printed : what the call wrote to stdout and stderr, from Python or C; only the end if it is long
+    value : what the function returned, or why it returned nothing
+    printed : what was written to stdout and stderr during the call, from Python or C; only the end
+        if it is long; empty if the call was made in this process
     """
 
     value: T | CallFailed
@@ -45,15 +46,15 @@ class Answer(Generic[T]):
 
 
 class ExecutorStopped(Exception):
-    """The executor was stopped: the call under way, or any later call, has no result."""
+    """The executor was stopped, so that a call has no result."""
 
 
 class Executor(ABC):
-    """Makes calls, several at a time from several threads; it is a context manager.
+    """Calls functions, at most one at a time for each thread; it is a context manager.
 
     Attributes
     ----------
-    width : number of calls that can be under way at once
+    width : largest number of calls that can be under way at once
     """
 
     width: int = 1
@@ -63,7 +64,9 @@ class Executor(ABC):
 
     @abstractmethod
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
-        """Call a function of a module, wait, and return the answer. May be called from any thread.
+        """Call a function, wait until it has ended, and return the answer.
+
+        Any thread may do so. The function must be at the top level of a module.
 
         Raises
         ------
@@ -74,10 +77,10 @@ class Executor(ABC):
     def call_at(
         self, site: str, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> Answer[T]:
-        """Call a function in a process that imports modules from a folder first.
+        """Call a function in a process that looks for modules in a given folder first.
 
-        This is for an engine at another version. An executor that cannot do it answers
-        `CallFailed`, with the cause `refused`.
+        The folder has another version of an engine. An executor that has no such processes returns
+        a `CallFailed` with the cause `refused`.
 
         Parameters
         ----------
@@ -95,7 +98,7 @@ class Executor(ABC):
 
     @abstractmethod
     def close(self) -> None:
-        """Free processes and connections, once no call is under way."""
+        """Free all resources, such as processes; no call may be under way."""
 
     @abstractmethod
     def alone(self) -> "Executor":
@@ -107,12 +110,13 @@ class Executor(ABC):
 
     @final
     def each(self, tasks: Iterable[Callable[[], T]]) -> Iterator[T]:
-        """Run tasks in threads, started in their order, and yield what they return as they end.
+        """Run tasks in threads, and yield the value of each as soon as it has ended.
 
         A task is a function that runs in this process and makes calls by this executor; `width`
-        tasks run at once. Tasks are taken from the iterable as threads become free. An exception in
-        one task stops the executor, and with it all other tasks, and is raised. If `width` is 1,
-        the calling thread runs all tasks one after the other, and an exception is only raised.
+        tasks run at once. They start in the given order, and are taken from the iterable as threads
+        become free. If one task raises an exception, the executor is stopped, which ends all other
+        tasks, and the exception is raised again here. If `width` is 1, the calling thread runs all
+        tasks one after the other, and an exception does not stop the executor.
         """
         if self.width == 1:
             yield from (task() for task in tasks)

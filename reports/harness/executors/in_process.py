@@ -1,4 +1,4 @@
-"""Makes calls in this process: nothing is started, and nothing is isolated."""
+"""Calls functions in this process: no process is started, and a crash ends the program."""
 
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar, final
@@ -12,7 +12,10 @@ T = TypeVar("T")
 
 @final
 class InProcess(Executor):
-    """Makes calls in this process, which ends or hangs if a call crashes or hangs."""
+    """An executor that calls functions in this process; if one crashes, this process ends.
+
+    There is no time limit.
+    """
 
     def __init__(self) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Makes calls in worker processes on this computer: a crash or a hang costs one call."""
+"""Calls functions in worker processes on this computer: a crash or a hang costs one call."""
 
 import threading
 from collections.abc import Callable
@@ -14,13 +14,13 @@ T = TypeVar("T")
 
 @final
 class LocalWorkers(Executor):
-    """An executor with a number of worker processes, one for each thread that makes calls.
+    """An executor with one worker process for each thread that makes calls, and for each site.
 
-    A worker process is started by its thread's first call.
+    The process is started by the thread's first call.
 
     Parameters
     ----------
-    jobs : number of worker processes
+    jobs : number of calls that can be under way at once
     time_limit : CPU time that a call may take, s; `TIME_LIMIT` if None
     """
 
@@ -34,7 +34,9 @@ class LocalWorkers(Executor):
         self._stopped = False
 
     def call(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Answer[T]:
-        """Call a function in this thread's worker; arguments and returned value are pickled.
+        """Call a function in this thread's worker, and return the answer.
+
+        Function, arguments and returned value are pickled.
 
         Raises
         ------
@@ -46,7 +48,7 @@ class LocalWorkers(Executor):
     def call_at(
         self, site: str, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs
     ) -> Answer[T]:
-        """Call a function in a worker of this thread that imports modules from `site` first.
+        """Call a function in a worker of this thread that looks for modules in `site` first.
 
         Raises
         ------
@@ -56,7 +58,10 @@ class LocalWorkers(Executor):
         return self._slot(site).call(partial(function, *args, **kwargs))
 
     def alone(self) -> Executor:
-        """Return an executor with the first of the workers; the others are idle in the meantime."""
+        """Return an executor that makes one call at a time, in the first of this one's workers.
+
+        The other workers must be idle in the meantime.
+        """
         alone = LocalWorkers(1, self._time_limit)
         with self._changing:
             idle = [slot for slot in self._slots if not slot.site]
@@ -81,7 +86,7 @@ class LocalWorkers(Executor):
             slot.end()
 
     def _slot(self, site: str) -> WorkerSlot:
-        """Return this thread's slot for a site, which is made if there is none yet.
+        """Return this thread's slot for a site; make one if there is none yet.
 
         Raises
         ------

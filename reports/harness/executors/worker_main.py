@@ -1,7 +1,7 @@
-"""What a worker process runs: it takes calls and sends answers until its parent is gone.
+"""The program of a worker process: it takes calls and sends answers until its parent is gone.
 
-Started by `worker_process` as a program of its own. It imports only the standard library, so that
-it starts at once; what a call needs is imported by the call.
+`worker_process` starts it. It imports only the standard library, so that it starts quickly; other
+modules are imported when a call needs them.
 """
 
 import ctypes
@@ -24,7 +24,7 @@ LENGTH = struct.Struct("<Q")
 UNBUFFERED = 2
 #: Fraction of the machine's memory that one worker may use (RLIMIT_DATA of getrlimit(2)).
 MEMORY_SHARE = 0.5
-#: Errors of the operating system that are not the engine's fault and may pass.
+#: Error numbers of the operating system for which the machine is to blame, and which may pass.
 PASSING = frozenset(
     getattr(errno, name)
     for name in (
@@ -42,9 +42,10 @@ def serve(mark: bytes) -> None:
 
     Parameters
     ----------
-    mark : bytes printed at the end of each call, so that the parent knows that all output is there
+    mark : bytes written to standard error at the end of each call, which tell the parent that all
+        output has come
     """
-    # The parent decides what Ctrl-C does, should it reach this process.
+    # Ctrl-C may reach this process too; only the parent acts on it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _bound_memory()
     calls, answers, output = _pipes_of_its_own()
@@ -60,14 +61,14 @@ def serve(mark: bytes) -> None:
 
 
 def send(stream: IO[bytes], message: bytes) -> None:
-    """Write a message, preceded by its length."""
+    """Write a message to a stream, preceded by its length."""
     parts = memoryview(LENGTH.pack(len(message)) + message)
     while parts:
         parts = parts[stream.write(parts) :]
 
 
 def receive(stream: IO[bytes]) -> bytes:
-    """Read a message that `send` has written.
+    """Return the next message in a stream, which `send` has written.
 
     Raises
     ------
@@ -79,7 +80,7 @@ def receive(stream: IO[bytes]) -> bytes:
 
 
 def _read(stream: IO[bytes], length: int) -> bytes:
-    """Read `length` bytes; raise `EOFError` if the stream ends before."""
+    """Return the next `length` bytes; raise `EOFError` if the stream has fewer."""
     parts = bytearray()
     while len(parts) < length:
         part = stream.read(length - len(parts))
@@ -90,10 +91,10 @@ def _read(stream: IO[bytes], length: int) -> bytes:
 
 
 def _answer(request: bytes) -> bytes:
-    """Make a pickled call and return, pickled, three values.
+    """Make a pickled call, and return three values as one pickle.
 
-    They are whether the call returned; what it returned, or what it raised in words; and the cause
-    of a failure.
+    The first is whether the function returned. The second is what it returned, else the error in
+    words. The third is the cause of the error in one word, empty if there was none.
     """
     try:
         call = pickle.loads(request)
@@ -111,9 +112,10 @@ def error_in_words(error: BaseException) -> str:
 def cause_of(error: BaseException) -> "Cause":
     """Return, in one word, why a call raised an error.
 
-    It is `environment` if the machine is to blame, `killed` if a child process was, else `bug`.
+    It is `killed` if a child process was killed, `environment` if the machine is to blame for the
+    error or for one that led to it, else `bug`.
     """
-    # An `EngineError` has its own cause, as its child may have been killed.
+    # The cause of an `EngineError` tells whether the engine's child process was killed.
     if getattr(error, "cause", "") == "killed":
         return "killed"
     at: BaseException | None = error
@@ -125,7 +127,7 @@ def cause_of(error: BaseException) -> "Cause":
 
 
 def _is_passing(error: BaseException) -> bool:
-    """Whether the machine, and not the engine, is to blame for an error, which may then pass."""
+    """Whether the machine, and not the engine, is to blame for an error, so that it may pass."""
     if getattr(error, "cause", "") == "environment":
         return True
     if isinstance(error, OSError):
@@ -139,7 +141,7 @@ def _is_passing(error: BaseException) -> bool:
 
 
 def _is_memory_limited() -> bool:
-    """Whether a limit from outside allows this process less memory than `MEMORY_SHARE`."""
+    """Whether a resource limit allows this process less memory than `own_bound` does."""
     if sys.platform == "win32":
         return False
     import resource
@@ -149,12 +151,14 @@ def _is_memory_limited() -> bool:
 
 
 def _pipes_of_its_own() -> tuple[IO[bytes], IO[bytes], int]:
-    """Move calls and answers away from the standard streams, where an engine may read or print.
+    """Move calls and answers away from the standard streams, which engines may read or print to.
+
+    After that, standard input is empty, and standard output goes to standard error.
 
     Returns
     -------
-    The streams of calls, of answers, and of output: a copy of standard error, as a call may close
-    the original.
+    The stream of calls; the stream of answers; and the file descriptor of a copy of standard error,
+    as a call may close the original
     """
     calls, answers = os.fdopen(os.dup(0), "rb", 0), os.fdopen(os.dup(1), "wb", 0)
     nothing = os.open(os.devnull, os.O_RDONLY)
@@ -165,7 +169,7 @@ def _pipes_of_its_own() -> tuple[IO[bytes], IO[bytes], int]:
 
 
 def _bound_memory() -> None:
-    """Limit the memory of this process, so that an engine that leaks does not take all of it."""
+    """Limit the memory of this process, in case an engine leaks; nothing is done on Windows."""
     if sys.platform == "win32":
         return
     import resource
@@ -178,7 +182,7 @@ def _bound_memory() -> None:
 
 
 def own_bound() -> int:
-    """Return the number of bytes that a worker may use."""
+    """Return the largest number of bytes of memory that a worker may use."""
     return int(MEMORY_SHARE * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
 
 
@@ -194,6 +198,6 @@ def _print_at_once() -> None:
 
 if __name__ == "__main__":
     _, mark_hex, search_path = sys.argv
-    # It is None for another Python, which has its own library.
+    # The path is empty if another Python runs this program: that has a path of its own.
     sys.path[:] = json.loads(search_path) or sys.path
     serve(bytes.fromhex(mark_hex))

@@ -1,9 +1,9 @@
-"""One worker: a process of its own, and the three pipes to it.
+"""The parent's side of a worker process, and of the three pipes to it.
 
-Calls are sent to its standard input, answers come from its standard output, each as a length and a
-pickle; everything printed comes from its standard error. It is started like any program, and gets
-only the paths of modules from its parent. So `__main__` is not imported twice, and even processes
-that may not have children of `multiprocessing` may have a worker.
+Calls are sent to the worker's standard input, and answers come from its standard output, each as a
+length and a pickle. All that is printed comes from its standard error. The worker is started like
+any program, and gets only the paths of modules from its parent. So `__main__` is not imported a
+second time, and a process that may not have children by `multiprocessing` can have a worker.
 """
 
 import json
@@ -26,7 +26,7 @@ from ....engines.versions.folders import interpreter_of
 from . import worker_main
 from .worker_main import receive, send
 
-#: Number of bytes kept of what a call printed, counted from the end.
+#: Number of bytes, from the end, that are kept of what a call printed.
 KEPT_OUTPUT = 4096
 #: Number of bytes of output read at once: as many as a pipe holds (pipe(7), Linux).
 PIPE_SIZE = 1 << 16
@@ -43,7 +43,7 @@ class WorkerProcess:
 
     Parameters
     ----------
-    site : folder from which the process imports modules first; none if empty
+    site : folder in which the process looks for modules first; none if empty
 
     Raises
     ------
@@ -89,7 +89,7 @@ class WorkerProcess:
 
     @property
     def alive(self) -> bool:
-        """Whether the process runs."""
+        """Whether the process has not ended yet."""
         return self._process.poll() is None
 
     def give(self, call: bytes) -> None:
@@ -105,7 +105,7 @@ class WorkerProcess:
         send(_raw(self._process.stdin), call)
 
     def wait(self, limit: float) -> Overdue | None:
-        """Wait for the answer to a call, as `wait_for_answer` does.
+        """Wait until the call is answered, the process ends, or a limit is exceeded.
 
         Parameters
         ----------
@@ -113,12 +113,12 @@ class WorkerProcess:
 
         Returns
         -------
-        How the limit was exceeded; None if there is an answer or the process has ended.
+        How a limit was exceeded; None if there is an answer or the process has ended.
         """
         return wait_for_answer(self._has_answered, self._of_system, limit)
 
     def _has_answered(self, seconds: float) -> bool:
-        """Whether an answer, or None at the end of the process, comes within some seconds."""
+        """Wait some seconds at most; return whether an answer, or the end of the process, came."""
         try:
             self._answer = self._answers.get(timeout=seconds)
         except Empty:
@@ -126,9 +126,12 @@ class WorkerProcess:
         return True
 
     def take(self) -> tuple[bool, Any, Cause]:
-        """Return the answer: (True, value, cause) if the call returned, else (False, why, cause).
+        """Return the answer that `wait` has waited for.
 
-        `why` is the error in words.
+        Returns
+        -------
+        Whether the function returned; what it returned, else the error in words; and the cause of
+        the error in one word, empty if there was none
 
         Raises
         ------
@@ -143,9 +146,10 @@ class WorkerProcess:
 
     @property
     def is_spent(self) -> bool:
-        """Whether a process that leaks still holds half or more of the memory that it may use.
+        """Whether the process holds more than half of the memory that it may use.
 
-        It is always false on systems other than Linux, which do not tell how much a process holds.
+        An engine must have leaked it, and the process should be replaced. It is false on systems
+        other than Linux, which do not tell how much memory a process holds.
         """
         try:
             count = int(getattr(self._of_system.memory_info(), "data", 0))
@@ -172,7 +176,7 @@ class WorkerProcess:
         return code
 
     def _take_answers(self) -> None:
-        """Put answers into the queue until the process ends, then None; run in a thread."""
+        """Put answers into the queue, and None when the process has ended; runs in a thread."""
         stream = _raw(self._process.stdout)
         try:
             while True:
@@ -181,7 +185,7 @@ class WorkerProcess:
             self._answers.put(None)
 
     def _take_output(self) -> None:
-        """Read all output and keep the end of it; run in a thread."""
+        """Read all that the process prints, and keep the end of it; runs in a thread."""
         descriptor = _raw(self._process.stderr).fileno()
         while received := os.read(descriptor, PIPE_SIZE):
             self._printed = (self._printed + received)[-KEPT_OUTPUT - len(self._mark) :]
@@ -191,10 +195,11 @@ class WorkerProcess:
 
 
 def _on_windows() -> tuple[str, dict[str, str]]:
-    """Return the interpreter and the environment to start the worker with, on Windows.
+    """Return the interpreter and the environment variables that start a worker on Windows.
 
-    In a virtual environment `sys.executable` only launches the real interpreter, whose CPU time
-    would not be counted; so the real one is started, as in `multiprocessing.popen_spawn_win32`.
+    In a virtual environment `sys.executable` only launches the real interpreter, as a child whose
+    CPU time would not be counted. So the real one is started, as `multiprocessing` does
+    (`popen_spawn_win32`).
     """
     program = getattr(sys, "_base_executable", sys.executable)
     environment = os.environ | ONE_THREAD
@@ -204,7 +209,7 @@ def _on_windows() -> tuple[str, dict[str, str]]:
 
 
 def _raw(stream: Any) -> IO[bytes]:
-    """Return a stream of the process, which is a pipe."""
+    """Return a standard stream of the process, which is known to be a pipe."""
     assert stream is not None, "all three streams are pipes"
     pipe: IO[bytes] = stream
     return pipe

@@ -1,4 +1,7 @@
-"""One worker process at a time, which is replaced when it dies; the call under way then fails."""
+"""Makes calls in one worker process at a time, which is replaced when it dies.
+
+The call during which the process dies fails.
+"""
 
 import pickle
 import re
@@ -17,7 +20,7 @@ TIME_LIMIT = 120.0
 ATTEMPTS = 2
 #: First words of the reason of a call whose worker has died.
 _WORKER = "the worker process"
-#: First words of the reason of a call that exceeded its time limit, which follows.
+#: First words of the reason of a call that exceeded its time limit; the limit follows them.
 _OVERDUE = "did not finish within "
 
 
@@ -28,8 +31,8 @@ class WorkerSlot:
 
     Parameters
     ----------
-    time_limit : CPU seconds that a call may take
-    site : a folder from which the worker process imports modules first; none if empty
+    time_limit : CPU time that a call may take, s
+    site : folder in which the worker process looks for modules first; none if empty
     """
 
     def __init__(self, time_limit: float, site: str = "") -> None:
@@ -40,9 +43,14 @@ class WorkerSlot:
         self._changing = threading.Lock()
 
     def call(self, call: Callable[[], Any]) -> Answer[Any]:
-        """Make a call and return its answer; arguments and value are pickled.
+        """Call a function in the worker process, and return the answer.
 
-        A call whose worker is killed from outside is made again, up to `ATTEMPTS` times in all.
+        If the process is killed from outside, the call is made again, `ATTEMPTS` times in all at
+        most.
+
+        Parameters
+        ----------
+        call : the function; it is pickled, and so is the value that it returns
 
         Raises
         ------
@@ -71,7 +79,7 @@ class WorkerSlot:
                 self._worker.kill()
 
     def end(self) -> None:
-        """End the process, once no call is under way."""
+        """End the process; this must not be done while a call is under way."""
         with self._changing:
             self._stopped = True
             if self._worker is not None:
@@ -79,7 +87,10 @@ class WorkerSlot:
                 self._worker = None
 
     def _attempt(self, request: bytes) -> Answer[Any]:
-        """Make a pickled call once; the answer is `CallFailed` if anything prevents it."""
+        """Make a pickled call once, and return the answer.
+
+        Its value is `CallFailed` if the process cannot be started, dies, or exceeds the time limit.
+        """
         try:
             worker = self._ready()
         except OSError as error:
@@ -117,31 +128,31 @@ class WorkerSlot:
             return self._worker
 
     def _given_up(self, worker: WorkerProcess, overdue: Overdue) -> Answer[Any]:
-        """Return the answer of a call that exceeded its limit, and end its worker."""
+        """End a worker whose call exceeded a limit, and return the answer of the call."""
         self._forget(worker)
         printed = worker.printed()
         reason = f"{_OVERDUE}{overdue.words}{last_line(printed)}"
         return Answer(CallFailed(reason, overdue.cause), printed)
 
     def _died(self, worker: WorkerProcess) -> Answer[Any]:
-        """Return the answer of a call whose worker has died."""
+        """Return the answer of a call whose worker has died, and free the worker's pipes."""
         how, cause = death(self._forget(worker))
         printed = worker.printed()
         return Answer(CallFailed(f"{_WORKER} {how}{last_line(printed)}", cause), printed)
 
     def _forget(self, worker: WorkerProcess) -> int:
-        """End a worker, which is then replaced at the next call; return its exit code."""
+        """End the worker, so that the next call starts another; return its exit code."""
         with self._changing:
             self._worker = None
             return worker.end()
 
 
 def is_environmental(cause: str) -> bool:
-    """Whether the machine, not what was called, caused a failure.
+    """Whether the machine, and not the function that was called, is to blame for a failure.
 
     Parameters
     ----------
-    cause : the cause in one word
+    cause : the cause of the failure, in one word
     """
     return cause in ENVIRONMENTAL
 
@@ -149,8 +160,12 @@ def is_environmental(cause: str) -> bool:
 def cause_of_unsolved(failure: CallFailed) -> Cause:
     """Return the cause of a run that was not made because the exact motion could not be found.
 
-    It is the failure's own cause if the machine is to blame. It is `killed` if the solver crashed:
-    no engine is involved, and the run may be tried again. Else it is `unsolved`.
+    It is the failure's own cause if the machine is to blame. It is `killed` if the solver crashed,
+    so that the run is tried again: no engine is involved. Else it is `unsolved`.
+
+    Parameters
+    ----------
+    failure : why the call that should find the exact motion failed
     """
     if failure.cause in ENVIRONMENTAL:
         return failure.cause
@@ -160,14 +175,14 @@ def cause_of_unsolved(failure: CallFailed) -> Cause:
 def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -> bool:
     """Whether a call that failed may succeed if it is made again.
 
-    It may if the machine is to blame, or if the call was stopped after less CPU time than may be
-    used now.
+    It may if the machine is to blame. It also may if the call exceeded a limit of CPU time that was
+    lower than the present one.
 
     Parameters
     ----------
     cause, reason : why the call failed, in a word and in a sentence
-    time_limit : CPU time that a call may take now, s; if None, a call that was stopped does not
-        count
+    time_limit : the present limit of CPU time, s; if None, a call that exceeded its limit is taken
+        to exceed it again
     """
     if is_environmental(cause):
         return True

@@ -8,18 +8,18 @@ from ....scenarios.locate import line_of
 
 
 def unknown_expectations(scenarios: Iterable[Scenario]) -> list[str]:
-    """Return a complaint for each expectation or expected failure with unknown engine or method."""
+    """Return a sentence for each expectation or expected failure of an unknown engine or method."""
     return [complaint for scenario in scenarios for complaint in _unknown(scenario)]
 
 
 def _unknown(scenario: Scenario) -> Iterator[str]:
-    """Yield a complaint for each unknown engine or method that a scene's file names.
+    """Yield a sentence for each unknown engine or method that a scene's file names.
 
-    Expectations (`[[expect]]`) and expected failures (`[[known]]`) are checked. Engines that are
-    not installed are known, too; their methods are not checked.
+    Expectations (`[[expect]]`) and expected failures (`[[known]]`) are checked. Supported engines
+    that are not installed count as known, but their methods are not checked.
     """
     if not (scenario.document.expect or scenario.document.known):
-        # Finding engines imports them, so that they are looked for only if a scene names any.
+        # Looking up the engines would import them, which takes long.
         return
     methods = {name: [m.name for m in engine.methods] for name, engine in engines().items()}
     absent = [engine.name for engine in missing()]
@@ -32,7 +32,15 @@ def _unknown(scenario: Scenario) -> Iterator[str]:
 
 
 def _complaint(scenario: Scenario, table: str, index: int, key: str, names: list[str]) -> str:
-    """Return a complaint about a key of a table in an array, given the names that it may have."""
+    """Return the message that a scene's file names an unknown engine or method.
+
+    Parameters
+    ----------
+    table : name of the array of tables, `expect` or `known`
+    index : index of the table in the array, from 0
+    key : the key with the unknown name, `engine` or `method`
+    names : the names that the key may have
+    """
     line = line_of(scenario.text, (table, index, key))
     where = printable(str(scenario.path or scenario.name))
     got = getattr(getattr(scenario.document, table)[index], key)

@@ -1,4 +1,4 @@
-"""Finds what a scene cannot test: effects that change no signal, and times after the horizon."""
+"""Finds what runs of a scene cannot test: effects without influence, times after the horizon."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -15,8 +15,8 @@ def powerless(scenario: Scenario) -> Iterator[str]:
     """Yield a sentence for each effect that can be left out without a change of any signal.
 
     A change counts if it exceeds twice the uncertainty of the exact motion. Constraints are not
-    left out, nor effects without which the motion cannot be found. Another sentence says so if the
-    exact motion ends before the window.
+    tested, and neither is an effect if the motion without it cannot be found. There is one more
+    sentence if the exact motion is known only in the first part of the window.
 
     Raises
     ------
@@ -50,12 +50,19 @@ def powerless(scenario: Scenario) -> Iterator[str]:
 
 
 def _without(scenario: Scenario, effect: Effect) -> Scenario:
-    """Return the scene without an effect."""
+    """Return the scene with one effect left out."""
     if effect.is_part:
         return with_tables(scenario, **{effect.table: None})
     return with_tables(scenario, effects=scenario.effects.model_copy(update={effect.table: None}))
 
 
 def _is_within_uncertainty(moved: Errors, uncertainty: Errors, signals: Iterable[Signal]) -> bool:
-    """Whether no signal moves by more than two uncertainties."""
+    """Whether no signal changes by more than twice its uncertainty.
+
+    Parameters
+    ----------
+    moved : the change of each signal
+    uncertainty : the uncertainty of the exact motion
+    signals : the signals that are compared
+    """
     return all(moved[signal.name] <= 2 * uncertainty[signal.name] for signal in signals)

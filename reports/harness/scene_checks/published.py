@@ -18,14 +18,15 @@ from ....scenarios import (
 
 @dataclass(frozen=True, eq=False)
 class PublishedValue:
-    """A published value and the reference's value.
+    """A value published in the literature, and the value of the exact motion at the same time.
 
     Attributes
     ----------
-    quantity : its name in the scene's file
-    printed, ours : components of the published value, SI, NaN where none was printed, and of the
-        reference's value, whose quaternion has the sign of the printed quaternion; all of the
-        latter are NaN where the exact motion is not known, as after its horizon
+    published : the entry of the scene's file that states the value
+    quantity : name of the quantity in the scene's file
+    printed : components of the published value, SI; NaN where none was printed
+    ours : components of the exact value, SI; a quaternion gets the sign of the published one. All
+        are NaN if the exact motion is not known at that time, as after its horizon
     """
 
     published: Published
@@ -35,7 +36,7 @@ class PublishedValue:
 
     @property
     def difference(self) -> float:
-        """The largest difference of a component that was printed, SI; inf if it is not known."""
+        """The largest difference of any printed component, SI; inf unless `is_known`."""
         return float(np.nanmax(np.abs(self.ours - self.printed))) if self.is_known else np.inf
 
     @property
@@ -45,12 +46,12 @@ class PublishedValue:
 
     @property
     def holds(self) -> bool:
-        """Whether the difference is within the tolerance of the printed digits."""
+        """Whether the difference is within the tolerance that the scene's file states."""
         return self.difference <= self.published.tolerance
 
 
 def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
-    """Yield every value of a scene's `[[published]]`, with the reference's value at its time."""
+    """Yield every value of a scene's `[[published]]`, with the exact value at the same time."""
     for published in scenario.document.published:
         exact = ExactMotion(scenario)
         times = np.array([0.0, published.t]) if published.t > 0 else np.array([0.0])
@@ -65,7 +66,11 @@ def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
 
 
 def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
-    """Yield a sentence for each published value that differs, or that has no exact one."""
+    """Yield a sentence for each published value that differs, or cannot be compared.
+
+    A value differs if the difference exceeds its tolerance. It cannot be compared if the exact
+    motion is not known at its time.
+    """
     for value in published_values(scenario):
         if not value.holds:
             is_printed = np.isfinite(value.printed)
@@ -87,7 +92,7 @@ def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
 
 
 def _omega_world(_: Scenario, motion: Trajectory) -> FloatArray:
-    """Return ω along world axes, rad/s, (n, 3)."""
+    """Return the components of ω along world axes, rad/s, (n, 3)."""
     return motion.to_world(motion.omega_body)
 
 

@@ -1,4 +1,4 @@
-"""Checks of the reference, scene by scene: invariants, a cross-check, published values."""
+"""Checks a scene's exact motion by conserved quantities, a cross-check and published values."""
 
 from collections.abc import Iterator
 
@@ -11,13 +11,13 @@ from ....scenarios import Scenario, errors_between
 from .published import published_that_do_not_hold
 
 EPS = float(np.finfo(float).eps)
-#: Largest error bound of a cross-check, relative or in rad, with which it is conclusive. Larger
-#: errors do not grow linearly, as conditioning assumes.
+#: Largest error bound, relative or in rad, of a conclusive cross-check: larger errors do not grow
+#: linearly, as the conditioning assumes.
 TELLING = 1e-2
 
 
 def complaints(scenario: Scenario) -> Iterator[str]:
-    """Yield complaints about a scene's reference, one sentence each; none if it passes.
+    """Yield a sentence for each check that a scene's exact motion does not pass.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def complaints(scenario: Scenario) -> Iterator[str]:
 
 
 def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Yield a complaint for each conserved quantity that drifts further than uncertainty allows."""
+    """Yield a sentence for each conserved quantity that drifts more than the uncertainty allows."""
     allowed = allowed_drifts(scenario, solution.trajectory, solution.uncertainty)
     for name, drift in drifts(scenario, solution.trajectory).items():
         if not drift <= allowed[name]:
@@ -39,9 +39,9 @@ def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Yield a complaint for each signal in which a solution by DOP853 differs too much.
+    """Yield a sentence for each signal in which a solution by DOP853 differs by more than allowed.
 
-    The span that is compared is halved until the error bound of DOP853 is small enough.
+    The compared part of the window is halved until the error bound of DOP853 is at most `TELLING`.
     """
     times = times_within_reach(scenario, solution.trajectory)
     while True:
@@ -58,10 +58,10 @@ def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _bounds(solution: Solution, other: CrossCheck) -> dict[str, float]:
-    """Return bounds, by signal, of the difference between a solution and its cross-check.
+    """Return, by signal, the largest difference between solution and cross-check that is allowed.
 
-    Each is the sum of the local errors of the cross-check, multiplied by the conditioning, and of
-    the solution's uncertainty.
+    It is the solution's uncertainty plus the global error of the cross-check: the sum of its local
+    errors, in ulp, times the conditioning.
     """
     committed = other.steps * other.tolerance
     uncertainty = dict(solution.uncertainty)

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from ....scenarios import FloatArray, Window
 
-#: Angle turned in the coarsest step, rad: a timestep that resolves the motion at all.
+#: Largest angle that a step with a ladder's coarsest timestep turns the body by, rad: even this
+#: timestep resolves the motion.
 COARSEST_TURN = 0.2
-#: Above the ladder timesteps are doubled up to this angle, rad: half a turn, beyond which samples
-#: cannot tell a rotation from its opposite.
+#: Largest angle that a step turns the body by above the ladder, rad: half a turn, beyond which a
+#: rotation cannot be told from one in the opposite direction.
 LARGEST_TURN = math.pi
 #: Fewest steps of a run above the ladder: in fewer steps, an instability has no time to grow.
 LEAST_STEPS = 10
@@ -21,28 +22,28 @@ LEAST_STEPS = 10
 MAX_STEPS = 1 << 20
 #: A quick study's ladders end before a run would take more steps than this.
 QUICK_STEPS = 1 << 14
-#: A ladder also ends before a run would take more steps than this, once it shows how errors
-#: decrease: the errors at finer timesteps follow from the order.
+#: Largest number of steps of a run beyond the first `LEAST_RUNGS` rungs: by then a ladder shows how
+#: errors decrease, and the errors at finer timesteps follow from the order.
 DECIDED_STEPS = 1 << 12
-#: A ladder is not ended early before it has this many rungs.
+#: Least number of rungs before a ladder may end because of the size of its errors.
 MIN_RUNGS = 6
-#: Number of the first rungs, which show an order, and factor by which the number of their steps may
-#: exceed the limit.
+#: Number of the first rungs, which are needed to show an order, and the factor by which their runs
+#: may exceed a limit on the number of steps.
 LEAST_RUNGS = 3
 EXCESS = 4
-#: Largest step count: beyond it a step's number is no longer exact as a double.
+#: Largest number of steps of a run: a larger integer may not be exact as a double.
 MOST_STEPS = 2.0**53
 
 
 @dataclass(frozen=True, eq=False)
 class Rung:
-    """One timestep of a ladder.
+    """A timestep of a run, with the steps at which the run is sampled.
 
     Attributes
     ----------
     timestep : s
     sample_steps : number of steps before each sample, the first of them 0, (n,)
-    every : m, if this rung is sampled at every m-th sample of its ladder
+    every : m, if this rung is sampled only at every m-th sample time of its ladder; else 1
     """
 
     timestep: float
@@ -60,7 +61,7 @@ class Rung:
         return np.asarray(self.sample_steps * self.timestep, dtype=float)
 
     def until(self, samples: int) -> "Rung":
-        """Return the rung, sampled only at the first `samples` sample times of its ladder."""
+        """Return a copy without sample times beyond the first `samples` of its ladder."""
         return replace(self, sample_steps=self.sample_steps[: math.ceil(samples / self.every)])
 
 
@@ -70,12 +71,12 @@ class Ladder:
 
     Attributes
     ----------
-    rungs : coarse to fine, all sampled at the same times; empty if the first would take too many
-        steps, or there are no sample times
-    above : coarser timesteps, each twice the one before, from twice the first rung's on. They show
-        the largest stable timestep, and take no part in a verdict
+    rungs : coarse to fine, all sampled at the same times; empty if even the coarsest would take too
+        many steps, or if there are fewer than two sample times
+    above : timesteps coarser than all rungs, each twice the one before; the first is twice the
+        coarsest rung's. They show the largest stable timestep, and take no part in a verdict
     times : the times at which all rungs are sampled, s, (n,)
-    least_steps : number of steps of the first rung, even if the ladder is empty
+    least_steps : number of steps of a run at the coarsest rung, even if that has too many to be run
     """
 
     rungs: tuple[Rung, ...]
@@ -84,10 +85,10 @@ class Ladder:
     least_steps: float
 
     def until(self, samples: int) -> "Ladder":
-        """Return the ladder with the first samples only, at which the exact motion is known.
+        """Return a copy without sample times beyond the first `samples`.
 
-        With fewer than two samples it has no rungs. Rungs above it that would have no step are left
-        out.
+        If fewer than two are left, the copy has no rungs. Timesteps above the ladder that would
+        have no step are left out.
         """
         if samples < 2:
             return Ladder((), (), self.times[:samples], least_steps=0.0)
@@ -98,20 +99,20 @@ class Ladder:
 
 
 def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = MAX_STEPS) -> Ladder:
-    """Choose timesteps for a motion, each half of the one before.
+    """Return a ladder of timesteps for a motion, each half of the one before.
 
     A step with the coarsest timestep turns the body by at most `COARSEST_TURN` where it is fastest,
     and a whole number of these steps fits between two samples. Halving is exact in binary, so that
-    all rungs share their sample times to the last bit. If samples are so close that even a ladder
-    that begins with one step between them has too few rungs, only every second, fourth, … sample is
-    used.
+    all rungs share their sample times to the last bit. If the samples are so many that a ladder
+    with at least one step between samples would have fewer than `MIN_RUNGS` rungs, only every
+    second, fourth, … sample is used.
 
     Parameters
     ----------
-    fastest_rate : the fastest rate, rad/s
+    fastest_rate : the fastest rate of the motion, rad/s
     samples : number of samples of the window at which the exact motion is known
-    max_steps : a ladder of `LEAST_RUNGS` rungs or more ends before a run would take more steps, a
-        shorter ladder before a run would take more than `EXCESS` times as many
+    max_steps : largest number of steps of a run; the first `LEAST_RUNGS` rungs may take up to
+        `EXCESS` times as many
     """
     interval = window.duration / (window.samples - 1)
     per_interval = max(1.0, float(np.ceil(interval * fastest_rate / COARSEST_TURN)))
@@ -134,11 +135,11 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
 
 def _thinned(intervals: int, turn: float) -> int:
-    """Return m, the power of two such that every m-th sample is used; 1 if all are.
+    """Return m, a power of two, where every m-th sample is used; 1 if all samples are.
 
-    It is the smallest m with which `MIN_RUNGS` rungs, the first with one step between used samples,
-    stay within `MAX_STEPS`. Doubling stops earlier if the turn between two used samples would
-    exceed `COARSEST_TURN`.
+    It is the smallest m for which a ladder that begins with one step between used samples has
+    `MIN_RUNGS` rungs of at most `MAX_STEPS` steps. A smaller m is returned where with this m the
+    body would turn by more than `COARSEST_TURN` between two used samples.
 
     Parameters
     ----------
@@ -156,9 +157,10 @@ def _thinned(intervals: int, turn: float) -> int:
 def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> Iterator[Rung]:
     """Yield rungs with 2, 4, 8, … times the coarsest timestep of a ladder.
 
-    They end before a step turns the body by more than `LARGEST_TURN`, or a run has fewer than
-    `LEAST_STEPS` steps. Each is sampled at every m-th sample of the ladder, with the least m for
-    which samples are whole steps apart.
+    The last is the longest whose steps turn the body by at most `LARGEST_TURN` and whose run has at
+    least `LEAST_STEPS` steps. Runs of more than `MAX_STEPS` steps are left out. Each rung is
+    sampled at every m-th sample of the ladder, with the least m for which a whole number of steps
+    fits between these samples.
 
     Parameters
     ----------
@@ -180,12 +182,18 @@ def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> I
 
 
 def single(timestep: float, times: NDArray[np.float64]) -> Rung:
-    """Return a rung with a given timestep, s, sampled at the whole steps nearest to `times`, s.
+    """Return a rung with a given timestep.
+
+    Parameters
+    ----------
+    timestep : s
+    times : times at which samples are wanted, s, (n,); the rung is sampled at the nearest whole
+        numbers of steps, each only once
 
     Raises
     ------
     ValueError
-        If the last time is at most half a step, or takes more steps than can be counted.
+        If the last time is at most half a step, or `MOST_STEPS` steps or more.
     """
     if not times[-1] / timestep < MOST_STEPS:
         raise ValueError(

@@ -15,8 +15,8 @@ from .ladder import LARGEST_TURN, LEAST_STEPS, QUICK_STEPS, Rung, single
 
 #: Timestep, s, at which every engine is run, so that engines can be compared at one timestep.
 COMMON_TIMESTEP = 1e-3
-#: Largest number of steps of a run that is made: such a run takes about 1 s in MuJoCo, a few in
-#: PyBullet. For hard scenes see `stock_runs_of`.
+#: Largest number of steps of a run at a stock timestep: such a run takes about 1 s in MuJoCo and a
+#: few seconds in PyBullet. On hard scenes the limit is lower (`stock_runs_of`).
 STEP_BUDGET = 1 << 17
 
 
@@ -27,9 +27,9 @@ class StockRun:
     Attributes
     ----------
     timestep : s
-    rung, solution : the timestep with its samples, and the exact motion at these; None if the run
-        is not made
-    refusal : why the run is not made, in words; else empty
+    rung, solution : the timestep with its samples, and the exact motion at these; both None if the
+        run is refused
+    refusal : why the run is not made, in words; empty if it is made
     """
 
     timestep: float
@@ -39,7 +39,7 @@ class StockRun:
 
 
 def stock_timestep(engine: Engine) -> float:
-    """Return the timestep, s, that users get by default; without one, the common timestep."""
+    """Return the engine's stock timestep, s; `COMMON_TIMESTEP` if it has none."""
     return engine.stock_timestep or COMMON_TIMESTEP
 
 
@@ -51,10 +51,10 @@ def stock_timesteps(engine: Engine) -> tuple[float, ...]:
 def stock_runs_of(
     engine: Engine, scenario: Scenario, at_stock: Iterable[StockRun]
 ) -> list[StockRun]:
-    """Return an engine's runs at its own stock timestep and at the one common to all engines.
+    """Return an engine's runs at its own stock timestep and at `COMMON_TIMESTEP`.
 
-    On a hard scene the run at a timestep that is not the engine's own is refused if it would take
-    more than `QUICK_STEPS` steps.
+    On a hard scene the run at `COMMON_TIMESTEP` is refused if it would take more than `QUICK_STEPS`
+    steps, unless that is also the engine's own stock timestep.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def stock_runs_of(
 
 
 def _refused_if_long(run: StockRun) -> StockRun:
-    """Return a run, refused if it takes more steps than `QUICK_STEPS`."""
+    """Return a run, changed into a refused one if it would take more than `QUICK_STEPS` steps."""
     if run.rung is None or run.rung.steps <= QUICK_STEPS:
         return run
     return StockRun(
@@ -81,11 +81,11 @@ def _refused_if_long(run: StockRun) -> StockRun:
 
 
 def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
-    """Return the rung of a run with a stock timestep, or in words why the run is not made.
+    """Return the rung of a run at a stock timestep; if the run is refused, the reason in words.
 
     Parameters
     ----------
-    times : times of the window's samples, as far as the motion is known, s, (n,)
+    times : times of those samples of the window at which the exact motion is known, s, (n,)
     timestep : s
     rate : fastest rate of the motion, rad/s
     """
@@ -102,7 +102,9 @@ def _refusal(timestep: float, rate: float, horizon: float) -> str:
 
     Parameters
     ----------
-    rate, horizon : fastest rate, rad/s, and end, s, of the motion
+    timestep : s
+    rate : fastest rate of the motion, rad/s
+    horizon : time of the last sample, s
     """
     turn, steps = timestep * rate, horizon / timestep
     if turn > LARGEST_TURN:
@@ -121,6 +123,6 @@ def _refusal(timestep: float, rate: float, horizon: float) -> str:
 
 
 def _too_few(timestep: float, duration: float) -> str:
-    """Return in words that a motion of some duration, s, takes too few steps."""
+    """Return the message that a motion of some duration, s, has too few steps of a timestep, s."""
     steps = math.floor(duration / timestep)
     return f"at {timestep:.4g} s the {duration:.3g} s of motion are {steps} steps, too few to judge"

@@ -1,1 +1,1 @@
-"""Runs in which one thing is varied: the scene, its description, or how an engine opens it."""
+"""Makes runs in which one thing is varied: the scene, the batch, or how an engine opens it."""

@@ -1,9 +1,10 @@
 """Tests whether the motion of a world in a batch depends on the other worlds, and times a step.
 
-The motion must depend neither on the number of worlds, nor on the world's place in the batch, nor
-on its neighbours. The worlds at the first, middle and last place are compared with the same world
-alone, with each other, and with themselves beside odd neighbours: one that blows up, one at rest,
-and another body.
+A world is one copy of a scene; a batch steps many worlds at once. A motion must depend neither on
+the number of worlds, nor on the world's place in the batch, nor on its neighbours, the other
+worlds. The worlds at the first, middle and last place are compared with the same world in a session
+of its own, with each other, and with the same places of a batch with odd neighbours: worlds of
+other scenes, of which one blows up, one is at rest, and one has another body.
 """
 
 import math
@@ -33,28 +34,31 @@ from ....scenarios import Scenario
 from ....scenarios.scatter import member
 from ..executors import CallFailed, Executor
 
-#: Approximate time that the steps of a batch may take, s. If steps are expensive, only a part of
-#: the window is compared.
+#: Approximate wall time that the steps of a batch may take, s. If steps are expensive, only a part
+#: of the window is compared.
 BUDGET = 10.0
-#: Number of steps from which that time is estimated; number of MuJoCo's steps that are timed, and
-#: number of repeats.
+#: Number of steps from which that time is estimated; number of MuJoCo's steps that are timed
+#: together, and how often this is repeated.
 TRIED, TIMED, TIMES = 10, 2000, 5
-#: Spin of a neighbour that blows up, rad/s: it overflows in single precision at once, in double
-#: precision after a few steps.
+#: Every component of ω of a neighbour that blows up, rad/s: its motion overflows at once in single
+#: precision, and after a few steps in double precision.
 BLOWING_UP = 1e60
-#: Names of what a motion depends on, besides kinds of odd neighbours. The first two are found by
-#: batches without odd neighbours; the last one means all kinds together, but no kind alone.
+#: Names of what a motion may depend on, besides the kinds of odd neighbours. The first two are
+#: found without odd neighbours; the last one means that it depends on all kinds together, but on no
+#: kind alone.
 NUMBER, PLACE, TOGETHER = "the number of worlds", "its place", "its neighbours together"
 
 
 @dataclass(frozen=True)
 class Apart:
-    """The difference of two runs of one world.
+    """The difference between two runs of the same worlds.
 
     Attributes
     ----------
-    step : the first step at which they differ, among those compared, each twice the one before
-    ulp : largest relative distance, at that step, of attitude, ω, position, velocity and spins
+    step : the number of steps at the first comparison in which they differ; they are compared after
+        1, 2, 4, 8, … steps and at the end
+    ulp : at that step, the largest distance of attitude, ω, position, velocity or spins, relative
+        to its size, in ulp of the engine's precision
     degrees : angle between the attitudes at the end; infinite if an attitude is not finite
     """
 
@@ -63,28 +67,34 @@ class Apart:
     degrees: float
 
 
-#: The difference from a batch in which an odd neighbour stops all worlds; the words that tell it.
+#: The difference if an odd neighbour stops all worlds, and the words that say so.
 STOPPED, STOPS = Apart(1, math.inf, math.inf), ", which stops all worlds"
 
 
 @dataclass(frozen=True)
 class BatchRow:
-    """A batch with a number of worlds of one scene: what its motions depend on, and its cost.
+    """A batch of worlds of one scene: what their motions depend on, and the cost of a step.
 
     Attributes
     ----------
-    device : the device that steps the worlds; the one asked for if nothing was stepped
-    steps : number of steps that are compared
-    until : time of the last of these steps, s
-    alone, place, neighbours : the largest difference of a world in the batch from the world alone,
-        from the world at the first place, and from the same place beside odd neighbours; None if
-        the motions agree to the last bit, infinite if a neighbour stops all worlds
+    scene, engine, method : names
+    timestep : s
+    worlds : number of worlds
+    device : the device that steps the worlds; before that, the device asked for
+    steps : number of steps of the comparison
+    until : time at the end of these steps, s
+    alone : difference of the world at the first place from the world in a session of its own
+    place : largest difference of a compared place from the first place
+    neighbours : largest difference of a compared place from the same place of a batch with odd
+        neighbours; `STOPPED` if these stop all worlds. Each of the three is None if all motions
+        agree to the last bit
     has_neighbours : whether the batch has places for odd neighbours
-    because : what the motion depends on; empty if it does not depend on its batch
-    seconds_per_step : wall time of a step of all worlds, s
-    beside : wall time, s, of a step of `beside_by`, an engine and its method, which step one
-        world on one core
-    outcome, reason : ok; or unsupported or failed, and the reason why nothing could be compared
+    because : what the motions depend on, in words; empty if they agree to the last bit
+    seconds_per_step : wall time of a step of all worlds, s; None if nothing was compared
+    beside : wall time of a step of one world on one core, s, by `beside_by`
+    beside_by : an engine and a method for comparison
+    outcome : `ok` if the worlds were compared, else `unsupported` or `failed`
+    reason : why nothing could be compared; empty if `ok`
     """
 
     scene: str
@@ -108,7 +118,7 @@ class BatchRow:
 
 
 def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """Return the row of `batch_of`, run in another process; if it crashes, the row says so."""
+    """Return the row of `batch_of`, made by an executor; it says so if the call has failed."""
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):
         return replace(row, outcome="failed", reason=answer.value.reason)
@@ -116,11 +126,12 @@ def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchR
 
 
 def batch_of(scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """Compare and time a batch, and return its row.
+    """Compare the worlds of a batch, time its steps, and return its row.
 
     Parameters
     ----------
-    row : names of scene, engine and method, the timestep, the number of worlds, and the device
+    row : the row to be completed; it states scene, engine, method, timestep, number of worlds and
+        device
     """
     method = engine.method(row.method)
     if reason := engine.unsupported(scenario, method):
@@ -137,7 +148,14 @@ def batch_of(scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
 
 
 def device_by(executor: Executor, engine: Engine, name: str) -> str:
-    """Return why an engine cannot step on a device, tried in another process; empty if it can."""
+    """Return in words why an engine cannot step on a device; empty if it can.
+
+    An executor calls the engine to find out.
+
+    Parameters
+    ----------
+    name : name of the device, as the engine knows it
+    """
     answer = executor.call_at(engine.site, _refused, engine, name)
     return answer.value.reason if isinstance(answer.value, CallFailed) else answer.value
 
@@ -152,7 +170,7 @@ def _refused(engine: Engine, name: str) -> str:
 
 
 def neighbours_of(scenario: Scenario) -> dict[str, Scenario]:
-    """Return the odd neighbours that are stepped beside a scene, by a description of each."""
+    """Return the scenes of the odd neighbours of a scene's worlds, by a description of each."""
 
     def turning(rate: float) -> Scenario:
         # Set directly, since no file may hold such a start.
@@ -168,12 +186,14 @@ def neighbours_of(scenario: Scenario) -> dict[str, Scenario]:
 
 @dataclass(frozen=True, eq=False)
 class _Motion:
-    """The worlds at some places of a batch, after some numbers of steps.
+    """The motions of the worlds at the compared places of a batch.
 
     Attributes
     ----------
-    ends : the numbers of steps, ascending
-    snapshots : for each of these, one snapshot for each place
+    ends : the numbers of steps after which snapshots are taken, ascending
+    snapshots : for each of these, one snapshot of the world at each place
+    seconds_per_step : wall time of a step of all worlds, s; 0 if not measured
+    device : the device that stepped the worlds; empty for a world in a session of its own
     """
 
     ends: Sequence[int]
@@ -186,7 +206,10 @@ class _Motion:
 class _Study:
     """The comparison of a batch's worlds.
 
-    `session` has one world of the scene, outside any batch; `begun` is the row to be completed.
+    Attributes
+    ----------
+    begun : the row to be completed
+    session : a session of one world of the scene, outside any batch
     """
 
     scenario: Scenario
@@ -196,16 +219,17 @@ class _Study:
     session: Session
 
     def row(self) -> BatchRow:
-        """Return the completed row, from batches without odd neighbours and with all kinds of them.
+        """Run the batches that are compared, and return the completed row.
 
-        If all kinds together change a motion, batches are also run with each kind alone.
+        One batch has no odd neighbours, another one has all kinds of them. If these change a
+        motion, further batches are run, each with one kind only.
         """
         begun, odd = self.begun, neighbours_of(self.scenario)
         alike = self._batch(())
         alone = self._alone(alike.ends)
         self._check_finite(alike, alone)
         apart = partial(_difference, states=self.session.states, ulp=self.engine.ulp)
-        # Each place is compared with the first.
+        # The motion at the first place, repeated, so that each place is compared with the first.
         first = replace(alike, snapshots=[[row[0]] * len(row) for row in alike.snapshots])
         by_number, by_place = apart(alone, first), apart(first, alike)
         because = [word for word, is_so in ((NUMBER, by_number), (PLACE, by_place)) if is_so]
@@ -238,7 +262,10 @@ class _Study:
         )
 
     def _check_finite(self, alike: _Motion, alone: _Motion) -> None:
-        """Raise `EngineError` if the first place is no longer finite where the world alone is."""
+        """Raise `EngineError` if a motion is finite in a session of its own but not in the batch.
+
+        Only the world at the first place is checked.
+        """
         for steps, *both in zip(alike.ends, alike.snapshots, alone.snapshots, strict=True):
             there, beside = (np.hstack(self.session.states(row[:1]).columns) for row in both)
             if np.isfinite(beside).all() and not np.isfinite(there).all():
@@ -247,22 +274,23 @@ class _Study:
 
     @property
     def _places(self) -> list[int]:
-        """The indices of the first, middle and last place, each once."""
+        """The indices of the compared places: the first, the middle and the last, each once."""
         worlds = self.begun.worlds
         return sorted({0, worlds // 2, worlds - 1})
 
     @property
     def _free(self) -> list[int]:
-        """The indices of the places for odd neighbours."""
+        """The indices of the places for odd neighbours: all that are not compared."""
         return [k for k in range(self.begun.worlds) if k not in self._places]
 
     def _batch(self, odd: Sequence[Scenario], ends: Sequence[int] = ()) -> _Motion:
-        """Run a batch, with the scenes of odd neighbours in turn at the free places.
+        """Run a batch, and return the motions at the compared places.
 
         Parameters
         ----------
-        odd : scenes of the neighbours; none if empty
-        ends : numbers of steps after which the worlds are compared; chosen by their cost if empty
+        odd : scenes of odd neighbours, which fill the other places in turn; if empty, all worlds
+            are of the same scene
+        ends : numbers of steps after which snapshots are taken; chosen by `_ends` if empty
         """
         scenes = [self.scenario] * self.begun.worlds
         for number, place in enumerate(self._free if odd else ()):
@@ -279,9 +307,13 @@ class _Study:
             return _Motion(ends, snapshots, seconds / ends[-1], batch.device)
 
     def _ends(self, scenes: Sequence[Scenario]) -> list[int]:
-        """Return the numbers of steps after which worlds are compared: powers of two, and the last.
+        """Return the numbers of steps after which worlds are compared: 1, 2, 4, 8, … and the last.
 
-        The last is the length of the window, or less if that would take longer than `BUDGET`.
+        The last is that of the whole window, or fewer if these would take longer than `BUDGET`.
+
+        Parameters
+        ----------
+        scenes : the scenes of the batch, whose steps are timed for that
         """
         with closing(self.engine.open_batch(scenes, self.method, self.begun.timestep)) as batch:
             batch.advance(1)
@@ -291,11 +323,11 @@ class _Study:
         return [1 << k for k in range(last.bit_length()) if 1 << k < last] + [last]
 
     def _alone(self, ends: Sequence[int]) -> _Motion:
-        """Run the world in a session of its own, as if it were at every place.
+        """Run the world in a session of its own; return its motion, repeated for each place.
 
         Parameters
         ----------
-        ends : numbers of steps after which the world is compared
+        ends : numbers of steps after which snapshots are taken
         """
         snapshots: list[object] = []
         self.session.record(np.diff(ends, prepend=0).tolist(), snapshots.append)
@@ -309,8 +341,8 @@ def _difference(
 
     Parameters
     ----------
-    states : returns the states of snapshots
-    ulp : relative spacing of the engine's numbers
+    states : function that returns the states in snapshots
+    ulp : relative spacing of the engine's floating-point numbers
     """
     same = [
         np.array_equal(_numbers(a), _numbers(b), equal_nan=True)
@@ -325,13 +357,20 @@ def _difference(
 
 
 def _numbers(snapshots: Sequence[object]) -> NDArray[Any]:
-    """Return n snapshots, which are states or numbers, as an array with n rows."""
+    """Return n snapshots, which are states or arrays of numbers, as one array of n rows."""
     each = [np.hstack(one.columns) if isinstance(one, State) else one for one in snapshots]
     return np.asarray(each)
 
 
 def _distance(first: State, second: State) -> float:
-    """Return the largest relative distance of any quantity in any row; infinite if not finite."""
+    """Return the largest relative distance of any quantity between n states; inf if not finite.
+
+    Quantities whose first value is zero are left out.
+
+    Parameters
+    ----------
+    first, second : n states each
+    """
     found = [0.0]
     for a, b in zip(first.columns, second.columns, strict=True):
         size, deviation = (np.linalg.norm(x, axis=1) for x in (a, b - a))
@@ -342,7 +381,14 @@ def _distance(first: State, second: State) -> float:
 
 
 def _degrees(first: State, second: State) -> float:
-    """Return the largest angle between two attitudes, degrees; infinite if one is not finite."""
+    """Return the largest angle between the attitudes of n states, degrees.
+
+    It is infinite if a quaternion is not finite, or zero.
+
+    Parameters
+    ----------
+    first, second : n states each
+    """
     both = first.q_world_body_wxyz, second.q_world_body_wxyz
     if not all(np.isfinite(q).all() and q.any(axis=1).all() for q in both):
         return math.inf
@@ -351,10 +397,11 @@ def _degrees(first: State, second: State) -> float:
 
 
 def _mujoco(scenario: Scenario, method: Method, timestep: float) -> tuple[str, float]:
-    """Return a MuJoCo method of similar order, and the wall time of its step on one core, s.
+    """Return a MuJoCo method of similar order, and the wall time of a step of it on one core, s.
 
     Parameters
     ----------
+    method : the method with which MuJoCo's is compared
     timestep : s
     """
     mujoco = engines()["mujoco"]

@@ -1,4 +1,4 @@
-"""Runs one scene at one timestep with varied engines, and makes a row of each run."""
+"""Makes runs of one scene with varied engines, such as with only some of an engine's defaults."""
 
 from dataclasses import replace
 
@@ -14,7 +14,13 @@ from ..timesteps.ladder import Rung
 
 
 def varied_row(scenario: Scenario, engine: Engine, run: Run, rung: Rung, solution: Solution) -> Row:
-    """Return the row of a run by a varied engine, without its motion."""
+    """Return the row of a run by a varied engine, compared with the exact motion; without motion.
+
+    Parameters
+    ----------
+    engine : the varied engine
+    solution : the exact motion at the samples of the rung
+    """
     key = Key(scenario.name, engine.name, run.method)
     row = row_of(scenario, key, run.engine_version, rung, run, solution)
     return replace(row, variation=variation(engine.varied), motion=None)
@@ -28,17 +34,17 @@ def runs_with_defaults(
     solution: Solution,
     at: Places | None = None,
 ) -> list[Row]:
-    """Run a method as shipped with no default, with each default alone, and with all but each.
+    """Run a method as shipped with several sets of its engine's defaults, and return the rows.
+
+    The sets are: none of the defaults, each of them alone, and all but one, for each. Each set is
+    run once.
 
     Parameters
     ----------
-    rung, solution : the timestep and samples of all runs, and the exact motion at the samples
-    at : exact states from which single steps are taken, to find out which defaults change the limit
-        of vanishing timesteps (`Row.acts`); None if that is not wanted
-
-    Returns
-    -------
-    One row for each set of defaults
+    rung : the timestep and samples of all runs
+    solution : the exact motion at these samples
+    at : exact states and timesteps of single steps, by which `Row.acts` is determined for the runs
+        with one default or none; None if `Row.acts` is not wanted
     """
     method = engine.method(method_name)
     names = engine.defaults(scenario, method)

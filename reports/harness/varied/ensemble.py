@@ -1,8 +1,9 @@
-"""Runs the missing results of an ensemble, member by member, on an executor.
+"""Computes the missing results of an ensemble, point by point.
 
-One call runs all methods at a point, so that its scene is solved once. If that call fails, the
-scene is solved alone, to find out whether the reference or an engine has failed, and then each
-method is run alone, so that a crash costs the result of one method only.
+A point is one member of the ensemble at one timestep. One call runs all methods at a point, so that
+its scene is solved only once. If that call fails, the scene is solved by a call of its own, which
+shows whether the reference or an engine has failed. Then each method is run by a call of its own,
+so that a crash costs the result of one method only.
 """
 
 import json
@@ -26,7 +27,7 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class PointLeft:
-    """A point of an ensemble, and the methods whose results are missing there."""
+    """A point of an ensemble, and the pairs of engine and method that have no result there."""
 
     point: EnsemblePoint
     to_run: Sequence[EngineMethod]
@@ -38,9 +39,11 @@ class EnsemblePlan:
 
     Attributes
     ----------
-    pairs : the methods asked for
-    stored : engines and methods of the stored results, by the variation of the point
-    total, complete : number of points asked for, and of complete points
+    pairs : the methods asked for, with their engines
+    stored : names of the engines and methods that have a result at a point, by the text that
+        identifies the point (`variation`)
+    total : number of points of the ensemble
+    complete : number of points at which no result is missing
     """
 
     ensemble: Ensemble
@@ -51,11 +54,14 @@ class EnsemblePlan:
 
     @property
     def missing(self) -> int:
-        """Number of incomplete points."""
+        """Number of points at which a result is missing."""
         return self.total - self.complete
 
     def left(self) -> Iterator[PointLeft]:
-        """Yield the incomplete points one by one, as there may be more than fit into memory."""
+        """Yield the points at which a result is missing.
+
+        They are made one by one, as all of them might not fit into memory.
+        """
         for point in self.ensemble.points():
             there = self.stored.get(variation(point.varied), ())
             if to_run := _to_run(self.pairs, there):
@@ -63,9 +69,13 @@ class EnsemblePlan:
 
 
 def plan_ensemble(ensemble: Ensemble, base: Scenario, choice: Choice, store: Store) -> EnsemblePlan:
-    """Store the definition of an ensemble, and determine which results are missing.
+    """Store the definition of an ensemble, and return which of its results are missing.
 
-    If `Choice.again` is set, stored results do not count.
+    If `Choice.again` is set, all of them count as missing.
+
+    Parameters
+    ----------
+    base : the scene that the ensemble varies
     """
     store.rest_on(tuple(fingerprints(base, choice.engines)))
     store.put_environment(environment(choice.engines))
@@ -84,18 +94,25 @@ def plan_ensemble(ensemble: Ensemble, base: Scenario, choice: Choice, store: Sto
 
 
 def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[EngineMethod]:
-    """Return the methods that have no result at a point."""
+    """Return the methods that have no result at a point.
+
+    Parameters
+    ----------
+    pairs : the methods asked for, with their engines
+    there : names of the engines and methods that have a result at the point
+    """
     return [pair for pair in pairs if (pair[0].name, pair[1].name) not in there]
 
 
 def run_ensemble(
     plan: EnsemblePlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Run the missing points of an ensemble, and store the results of each as soon as it is run.
+    """Compute the missing results of an ensemble, and store those of each point at once.
 
     Parameters
     ----------
-    progress : called with each point that has been run, in words
+    base : the scene that the ensemble varies
+    progress : called with the name of each completed point
     """
     if plan.missing:
         compile_side_by_side(executor)
@@ -113,11 +130,14 @@ def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executo
 def _rows(
     left: PointLeft, base: Scenario, executor: Executor, *, is_solved: bool = False
 ) -> list[Row]:
-    """Return the results at a point, by one call for all methods or, if that fails, one for each.
+    """Return the missing rows at a point, from one call for all methods.
+
+    If that call fails, the exact motion is found by a call of its own; then each method is run by a
+    call of its own.
 
     Parameters
     ----------
-    is_solved : whether it is known that the exact motion can be found
+    is_solved : whether it is already known that the exact motion can be found
     """
     rows = executor.call(run_point, base, left.point, left.to_run).value
     if not isinstance(rows, CallFailed):

@@ -1,4 +1,4 @@
-"""Runs methods at one point of an ensemble, against the exact motion of the scene at that point."""
+"""Runs methods at one point of an ensemble, and compares them with the exact motion there."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,21 +23,21 @@ Solved = dict[float, Solution] | str
 def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod]) -> list[Row]:
     """Run methods at a point of an ensemble, and return one row for each method.
 
-    Without methods the exact motion is still solved, and there are no rows. All rows are
-    `unsupported` if the point has no valid scene, or if the point's timestep is twice the window or
-    more, or so short that its steps cannot be counted. Only the rows of one engine are, if its
-    stock timestep is refused or it takes more than `STEP_BUDGET` steps.
+    All rows are `unsupported` if the point has no valid scene, or if `rung_at` raises an error. The
+    rows of one engine are `unsupported` if its stock timestep is refused, or if a run would take
+    more than `STEP_BUDGET` steps. Without methods the exact motion is still solved, to find out
+    whether that succeeds.
 
     Parameters
     ----------
     base : the scene that is varied
-    pairs : engines and methods
+    pairs : the methods, with their engines
 
     Raises
     ------
     IntegrationError
-        If there are no methods, and the exact motion cannot be found. With methods, the rows say
-        that it cannot be found.
+        If there are no methods, and the exact motion cannot be found. With methods, no error is
+        raised, and the rows say so.
     """
     try:
         scenario = scene_at(point, base)
@@ -68,7 +68,9 @@ def not_run(
 
     Parameters
     ----------
-    outcome, cause, why : outcome and cause in one word each, and the reason in a sentence
+    base : the scene that is varied
+    pair : the method, with its engine
+    outcome, cause, why : outcome and cause, in one word each, and the reason in a sentence
     """
     engine, method = pair
     key, timestep = Key(base.name, engine.name, method.name), _timestep(base, point, engine)
@@ -88,7 +90,7 @@ def _timestep(base: Scenario, point: EnsemblePoint, engine: Engine) -> float:
 
 
 def _no_scene(error: ValueError) -> str:
-    """Return in words why there is no scene at a point, given the error of making it."""
+    """Return in words why there is no scene or no rung at a point, from the error that says so."""
     if not isinstance(error, ScenarioError):
         return str(error)
     # The line number is left out: the varied file exists in memory only.
@@ -96,16 +98,20 @@ def _no_scene(error: ValueError) -> str:
 
 
 def _within_budget(rung: Rung | str) -> Rung | str:
-    """Return a rung, or in words why it is not run: it may take too many steps."""
+    """Return the rung itself; or in words why it is not run, if it takes too many steps.
+
+    A text, which says already why there is no rung, is returned unchanged.
+    """
     if isinstance(rung, Rung) and rung.steps > STEP_BUDGET:
         return f"it takes {rung.steps} steps, and a point may take {STEP_BUDGET}"
     return rung
 
 
 def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
-    """Return the exact motion by timestep, s, at the samples, or in words why it is not known.
+    """Return the exact motion at the samples of each rung, by the rung's timestep, s.
 
-    An error that the machine is to blame for is raised.
+    If it cannot be found, the reason is returned in words; but if the machine is to blame, the
+    error is raised.
     """
     times = {rung.timestep: rung.times for rung in rungs}
     if not times:
@@ -122,7 +128,12 @@ def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
 def _row(
     scenario: Scenario, point: EnsemblePoint, pair: EngineMethod, rung: Rung, solved: Solved
 ) -> Row:
-    """Run a method at a point, and return its row, without motion and defects."""
+    """Run a method at a point, and return its row, without motion and defects.
+
+    Parameters
+    ----------
+    solved : the exact motion by timestep, s; or in words why it is not known
+    """
     if isinstance(solved, str):
         return not_run(scenario, point, pair, "failed", "unsolved", solved)
     engine, method = pair
@@ -149,13 +160,19 @@ def scene_at(point: EnsemblePoint, base: Scenario) -> Scenario:
 
 
 def rung_at(point: EnsemblePoint, scenario: Scenario, engine: Engine) -> Rung | str:
-    """Return the rung of a run of the scene at a point, or in words why the run is not made.
+    """Return the rung of an engine's run at a point; if the run is refused, the reason in words.
+
+    The timestep is that of the point, or the engine's stock timestep if the point states none.
+
+    Parameters
+    ----------
+    scenario : the scene at the point
 
     Raises
     ------
     ValueError
-        If the point's timestep is twice the window or more, or so short that its steps cannot be
-        counted.
+        If the point's timestep is at least twice the window, or so short that a run would take
+        more than `MOST_STEPS` steps.
     """
     if point.timestep is not None:
         return single(point.timestep, scenario.times)
