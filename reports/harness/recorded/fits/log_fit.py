@@ -219,7 +219,7 @@ class LogFit:
 
     @cached_property
     def with_tensor(self) -> Fit:
-        """The best fit, with changes of start and tensor added if they are not among its changes."""
+        """The best fit, with changes of start and tensor added if it does not have them."""
         more = [one for one in (START, self.tensor) if one not in self.found.changes]
         trial = Trial(self.log, (*self.found.changes, *more))
         fit = trial.fit(self.found)

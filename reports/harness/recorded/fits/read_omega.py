@@ -198,7 +198,7 @@ def _differences(motion: Trajectory) -> list[str]:
 
 
 def _sensor_error(data: ReadOmega) -> list[str]:
-    """Return sentences on the gyroscope's error that explains the recorded ω; none if none does."""
+    """Return sentences on the gyroscope's error that explains the recorded ω, if there is one."""
     found = Search(data, (*OF_LOGS, CROSS_AXIS), part=LEFT**2).one()
     return sentences(found) if found else []
 
