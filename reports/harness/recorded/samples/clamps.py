@@ -15,7 +15,7 @@ from .intervals import states_of
 #: Largest relative error of ω with a clamp that explains a motion; least number of samples at its
 #: bound; the most intervals in which clamps are tried.
 CLAMPED, FEWEST, FEW = 1e-2, 3, 12
-#: Relative error of a bound by rounding. How far equations must lead beyond a bound, relative to it.
+#: Relative error of a bound by rounding. How far equations must lead beyond a bound, relatively.
 ROUNDING, BEYOND = 1e-9, 1e-3
 #: Smallest rate, rad/s, and smallest sum of squares, that is used as a divisor.
 TINY = 1e-300
