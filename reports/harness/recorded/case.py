@@ -80,8 +80,8 @@ class Case:
 
         Returns
         -------
-        None if there are too few of these samples, or if ω was not recorded and they are too far
-        apart to compute it from the attitudes
+        The case; None if there are too few of these samples, or if ω was not recorded and they are
+        too far apart to compute it from the attitudes
         """
         if len(samples) <= FEWEST_INTERVALS:
             return None
@@ -181,7 +181,7 @@ class Case:
 
     @cached_property
     def physics(self) -> Physics:
-        """The search for other physics that explain the recorded motion, started on first use."""
+        """The search for other physics that explain the recorded motion."""
         of_method = self.timestep, self.order, self.of_intervals
         return Physics(self.scenario, self.motion, self.exact, *of_method, self.reach)
 
@@ -214,9 +214,9 @@ class Case:
 
         Returns
         -------
-        None if ω was not recorded, if the first sample is later than the scene's start, if the
-        first recorded state is no valid start of a scene, or if the exact motion from that state is
-        not known at all times of the recording
+        The case; None if ω was not recorded, if the first sample is later than the scene's start,
+        if the first recorded state is no valid start of a scene, or if the exact motion from that
+        state is not known at all times of the recording
         """
         if not self.has_omega or self.exact.t[0]:
             return None

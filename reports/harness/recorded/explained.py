@@ -58,7 +58,11 @@ class Explanation:
 
     Attributes
     ----------
-    explained_by, verdict, is_beyond, made_by, measured : see `JudgedMotion`
+    explained_by : sentences on what explains why the motion is not the exact one
+    verdict : a sentence on whether its errors are within noise, or within those of its method
+    is_beyond : whether its errors are larger than that
+    made_by : the known integrator that computed the motion, in words; empty if none is recognised
+    measured : the fit to all samples if the motion has noise, else None
     is_open : whether part of the difference from the exact motion stays unexplained
     """
 
@@ -146,7 +150,7 @@ def _by_equations(case: Case) -> Explanation:
 
 
 def _may_be_mistaken(case: Case) -> bool:
-    """Whether mistakes in recording are to be tried together with other explanations.
+    """Return whether mistakes in recording are to be tried together with other explanations.
 
     They are if ω was recorded, no mistake has been corrected before, and the case is no trial.
     """

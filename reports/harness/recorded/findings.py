@@ -110,7 +110,7 @@ def _of_mistakes(case: Case) -> Finding | None:
 
 
 def _of_times(case: Case) -> Finding | None:
-    """Return the finding that each recorded state is the exact one of another time, or None."""
+    """Return the finding that each recorded state is the exact one at another time; or None."""
     words = warped(case.scenario, case.motion, case.exact, case.of_intervals)
     return Finding((words,)) if words else None
 

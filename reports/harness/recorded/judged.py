@@ -52,8 +52,8 @@ class JudgedMotion:
         which follow from attitude and ω
     series : the errors of each sample
     drifts : the largest relative change of each conserved quantity, by name
-    defects : defects of the intervals between samples, by signal; empty if they cannot be computed,
-        as the body turns too far or its motion leaves all bounds
+    defects : defects of the intervals between samples, by signal; empty if the body turns too far
+        in all, or if the exact flow cannot be computed from a sample
     explained_by : sentences on the mistakes in recording, or the other physics, that explain why
         the motion is not the exact one
     made_by : the known integrator that computed the motion, in words; empty if none is recognised
@@ -87,7 +87,7 @@ class JudgedMotion:
         return self.is_beyond or bool(self.explained_by)
 
     def as_record(self) -> dict[str, Any]:
-        """Return the results, as `spincheck judge --json` prints them for a file."""
+        """Return the results as a dictionary, which `spincheck judge --json` prints for a file."""
         return {
             "timestep": self.timestep,
             **{SIGNAL[signal].key: error for signal, error in self.errors.items()},

@@ -45,7 +45,7 @@ HALVED = 1e-6
 
 @final
 class RecordedEngine(Engine):
-    """Stands for the unknown engine that computed the files. It has one method and cannot be run.
+    """The unknown engine that computed the files, which has one method and cannot be run.
 
     Parameters
     ----------

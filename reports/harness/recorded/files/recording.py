@@ -204,8 +204,8 @@ class Recording:
     def is_single(self) -> bool:
         """Whether the motion was computed in single precision.
 
-        If the file does not state the precision, it was if single precision holds the quaternions
-        exactly. Quaternions of whole numbers are no sign of that.
+        If the file does not state the precision, this is assumed of a motion whose quaternions are
+        exact in single precision, unless all their components are whole numbers.
         """
         q = self.arrays["q"]
         has_24_bits = np.array_equal(q, q.astype(np.float32)) and not np.array_equal(q, np.rint(q))
@@ -237,7 +237,7 @@ class Recording:
 
 
 def digits_of(value: float) -> int:
-    """Return the fewest significant decimal digits that represent a double uniquely."""
+    """Return how many significant decimal digits are needed to represent a double uniquely."""
     mantissa = repr(float(abs(value))).partition("e")[0]
     return len(mantissa.replace(".", "").strip("0"))
 

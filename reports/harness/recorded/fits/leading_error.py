@@ -129,7 +129,7 @@ def leading_errors(
 
 
 def _terms(equations: OtherEquations) -> list[OtherEquations]:
-    """Return one set of equations for each nonzero term of Euler's equations, with it alone."""
+    """Return, for each nonzero term of Euler's equations, equations of motion with it alone."""
     every = {name: 0 * getattr(equations, name) for names in _TERMS for name in names}
     acting = [[n for n in names if getattr(equations, n).any()] for names in _TERMS]
     return [

@@ -79,7 +79,7 @@ class LogFit:
     def axes(self) -> Change:
         """The change in which attitude and ω are recorded along other axes than the body's.
 
-        Its parameters are the rotation vector, rad, that turns the body's axes to these axes.
+        Its parameters are the rotation vector, rad, that turns the body's axes to the others.
         """
         omega = self.given.scene_start[4:]
 
@@ -112,7 +112,7 @@ class LogFit:
 
     @cached_property
     def general(self) -> list[Change]:
-        """The changes that measured motions most often require."""
+        """The changes, of equations or readings, that measured motions most often require."""
         equations = self.given.base
         scene = self.scenario, equations
         found = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
@@ -187,18 +187,18 @@ class LogFit:
 
     @cached_property
     def uneven_times(self) -> list[str]:
-        """A list of the sentence that each state is, within noise, the scene's of another time.
+        """A list of the sentence that, within noise, each state is exact but for its time.
 
-        The list is empty if that is not so.
+        The list is empty if the states are not those of the exact motion at other times.
         """
         return uneven_times(self.given, self.search.unchanged.residuals)
 
     @cached_property
     def right_by_itself(self) -> list[str]:
-        """A list of the sentence on what is the scene's by itself, within noise.
+        """A list of the sentence on what part of the recording is that of the exact motion.
 
-        That is each state, but of another time than its own; or attitude alone; or ω alone. The
-        list is empty if none of these is the scene's.
+        Within noise this may be all but the times, the attitude alone, or ω alone. The list is
+        empty if none of these agrees with the exact motion.
         """
         return self.uneven_times or right_by_itself(self.given, self.search.unchanged.residuals)
 

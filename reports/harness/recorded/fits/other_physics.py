@@ -89,7 +89,10 @@ class Physics:
 
     @cached_property
     def intervals(self) -> Intervals | None:
-        """The intervals between samples, at most `MOST_INTERVALS`; None if too few or too long."""
+        """The intervals between samples, at most `MOST_INTERVALS`.
+
+        The property is None if there are too few in which the body does not turn too far.
+        """
         of_method = self.timestep, self.order, self.noise
         inner = self.motion.at(np.arange(self.reach, len(self.motion.t) - self.reach))
         data = intervals_of(self.scenario, inner, *of_method, most=MOST_INTERVALS)
@@ -381,10 +384,10 @@ class Physics:
 
     @property
     def _of_motion(self) -> list[Change]:
-        """The changes in `search` without those that have parameters and concern turning.
+        """The changes in `search` that do not look like a method's error about a steady axis.
 
-        Turning is how states are read, or how the attitude follows from ω. If a body turns about a
-        steady axis, the error of any method looks like such a change.
+        All are included but those that have parameters, and concern how states are read, or how the
+        attitude follows from ω.
         """
         changes = self.search.changes if self.search else ()
         return [one for one in changes if not (len(one.scales) and is_of_turning(one))]

@@ -160,7 +160,7 @@ def _omega_between(
 
 
 def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[str]]:
-    """Yield each clamp with which the recorded ω is the body's, as a list of one sentence.
+    """Yield a list of one sentence for each clamp that turns the body's ω into the recorded ω.
 
     Parameters
     ----------

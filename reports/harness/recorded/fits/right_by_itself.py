@@ -24,10 +24,11 @@ OMEGA_ALONE = "ω is that of the scene, but the attitudes are not"
 
 
 def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
-    """Return a list of the sentence that each state is, within noise, the scene's of another time.
+    """Return a list of the sentence that, within noise, each state is exact but for its time.
 
-    The list is empty if that is not so. The time of each state is fitted to first order. If noise
-    is not stated, this must explain nearly all of the residuals.
+    The list is empty if the states are not those of the exact motion at other times. The time of
+    each state is fitted to first order. If noise is not stated, other times must explain nearly all
+    of the residuals.
 
     Parameters
     ----------
@@ -56,10 +57,10 @@ def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
 
 
 def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
-    """Return a list of the sentence that, within noise, only attitude or only ω is the scene's.
+    """Return a list of the sentence that only attitude, or only ω, is exact within noise.
 
-    The list is empty if both or neither are. The sentence names the samples at which the other one
-    is wrong if they are fewer than half of all.
+    The list is empty if both or neither are. The sentence names the samples at which the other
+    quantity is wrong if they are fewer than half of all.
 
     Parameters
     ----------

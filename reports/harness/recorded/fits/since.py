@@ -25,7 +25,7 @@ MEET = 5.0
 
 
 def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
-    """Return sentences on when a motion with noise suddenly changes, and what explains it then.
+    """Return sentences on when a motion with noise changes suddenly, and what explains it later.
 
     The motion is the exact one until χ² of its errors exceeds noise. The later samples are fitted
     by themselves, and the fitted motion is followed back in time to where it meets the exact one.

@@ -55,9 +55,9 @@ def elsewhere(physics: Physics) -> list[str]:
 
 
 def _at_another_time(scenario: Scenario, start: FloatArray, deviations: FloatArray) -> str:
-    """Return the sentence that ω at the first sample is the exact one of another time.
+    """Return the sentence that ω at the first sample is the exact ω at another time.
 
-    The text is empty if it is not.
+    The text is empty if there is no such time.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ class BesideMethods(Data):
 
     Attributes
     ----------
-    intervals : the intervals, with all errors but these
+    intervals : the intervals, whose scale is that of all other errors
     directions : orthonormal columns that span the leading errors of methods, (6 S, n)
     sizes : standard deviations of these errors along each column, in units of `intervals.scale`,
         (n,)

@@ -64,7 +64,7 @@ class Alternation:
 
     @property
     def is_noise(self) -> NDArray[np.bool_]:
-        """Whether what alternates is noise, for attitude and for ω, (2,)."""
+        """Whether the errors that alternate are noise, for attitude and for ω, (2,)."""
         alternates = self._alternates(self.every, 1) & self._alternates(self.every_second, 2)
         return np.asarray(alternates & self.throughout)
 

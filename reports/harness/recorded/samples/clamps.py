@@ -27,26 +27,26 @@ def _in_world(states: FloatArray) -> FloatArray:
 
 
 def _with_omega(states: FloatArray, omega_body: FloatArray) -> FloatArray:
-    """Return states with another ω, rad/s, body axes, (S, 7)."""
+    """Return states, (S, 7), with another ω, rad/s, body axes, (S, 3)."""
     return np.hstack([states[:, :4], omega_body])
 
 
 def _by_component(states: FloatArray, bound: float) -> FloatArray:
-    """Return states with each component of ω in body axes clamped to ± a bound, rad/s, (S, 7)."""
+    """Return states, (S, 7), with each component of ω in body axes clamped to ± a bound, rad/s."""
     return _with_omega(states, np.clip(states[:, 4:], -bound, bound))
 
 
 def _by_component_in_world(states: FloatArray, bound: float) -> FloatArray:
-    """Return states with each component of ω in world axes clamped to ± a bound, rad/s, (S, 7).
+    """Return states, (S, 7), with each component of ω in world axes clamped to ± a bound, rad/s.
 
-    As in all states, the ω that is returned is in body axes.
+    As in all states, the ω that is returned is along body axes.
     """
     clamped = np.clip(_in_world(states), -bound, bound)
     return _with_omega(states, turned_back(matrices(states[:, :4]), clamped))
 
 
 def _by_norm(states: FloatArray, bound: float) -> FloatArray:
-    """Return states with the norm of ω clamped to a bound, rad/s, (S, 7)."""
+    """Return states, (S, 7), with the norm of ω clamped to a bound, rad/s."""
     speeds = np.maximum(norms(states[:, 4:]), TINY)[:, None]
     return _with_omega(states, states[:, 4:] * np.minimum(1.0, bound / speeds))
 
@@ -61,7 +61,7 @@ CLAMPS = (
 
 
 class Clamp(NamedTuple):
-    """A clamp of ω in words, and the index of the first sample at its bound."""
+    """A clamp of ω: a sentence on it, and the index of the first sample at its bound."""
 
     words: str
     first: int

@@ -14,11 +14,11 @@ from ...explaining.search import SIGNIFICANCE
 def spins_beyond(
     scenario: Scenario, motion: Trajectory, timestep: float | None, order: int, noise: FloatArray
 ) -> list[str]:
-    """Return a list of the sentence that a spin changes by more than a method's error and noise.
+    """Return a list of the sentence that a spin changes otherwise than its rotor's hinge makes it.
 
-    The list is empty if no spin does. The error of a method of order p is taken to be proportional
-    to the p-th power of the angle turned in a step. That angle is the rotor's if it turns faster
-    than the body that carries it.
+    The list is empty if no spin does so by more than noise and a method's error. The error of a
+    method of order p is taken to be proportional to the p-th power of the angle turned in a step,
+    by the body or by the rotor, whichever is faster.
 
     Parameters
     ----------

@@ -228,7 +228,7 @@ def intervals_of(
 
     Returns
     -------
-    None if there are fewer than `FEWEST_INTERVALS`, or if ω is 0 at all samples
+    The intervals; None if they are fewer than `FEWEST_INTERVALS`, or if ω is 0 at all samples
     """
     if len(motion.t) <= FEWEST_INTERVALS:
         return None

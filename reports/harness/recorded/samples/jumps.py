@@ -131,7 +131,7 @@ def _goes_on(data: Intervals, k: int, last: int, chi2: float) -> bool:
 
 
 def _outliers(data: Intervals, deviations: FloatArray, k: int, last: int) -> Jump:
-    """Return the jump of outliers: samples that are off a motion that goes on as before.
+    """Return the jump of outliers: samples that are off, while the motion then goes on as before.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ def dissipated(scenario: Scenario, motion: Trajectory) -> list[str]:
 
 
 def missing(data: Intervals) -> list[str]:
-    """Return a sentence on the angular velocity or the torque that is missing.
+    """Return a sentence on the angular velocity, or on the torque, that the equations lack.
 
     A torque is missing if the attitude follows ω, but ω does not obey Euler's equations. An angular
     velocity is missing if ω obeys them, but the attitude does not follow ω.
@@ -190,7 +190,7 @@ def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
 
 
 def _share(of: FloatArray, along: FloatArray) -> float:
-    """Return the fraction of the sum of squares of S vectors by their components along others.
+    """Return the fraction of the sum of squares of vectors that is due to components along others.
 
     Parameters
     ----------

@@ -144,7 +144,7 @@ def without(
 
 
 def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
-    """Return the corrections of one mistake after which the attitude follows ω, the best first.
+    """Return corrections, each of one mistake, after which the attitude follows ω, best first.
 
     No equations of motion are used. Whatever torques act, the attitude turns between two samples at
     the mean of their ω, except for terms of third order in the time between them.
@@ -184,7 +184,7 @@ def _kinematic_error(reading: Reading) -> float:
 
 
 class _Beginning:
-    """Computes the errors of readings of the beginning of a motion, and finds the best reading.
+    """The errors of readings of the beginning of a motion, against the exact motion.
 
     The exact motion is computed at the times of each reading, from the exact first state.
 

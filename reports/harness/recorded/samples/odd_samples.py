@@ -122,7 +122,8 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
 def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
     """Return the finding that some rows are exchanged with the next ones; None if none are.
 
-    Rows count as exchanged if the exact flow leads from row to row in the other order.
+    Two successive rows count as exchanged if, only once they are put in the other order, the exact
+    flow leads from row to row.
     """
     t, states = motion.t, states_of(motion)
     if len(t) < FEWEST or not motion.omega_body.any():
@@ -199,7 +200,7 @@ def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
 
 
 def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: FloatArray) -> str:
-    """Return the sentence that each recorded state is the exact one of another time.
+    """Return the sentence that each recorded state is the exact one at another time.
 
     The time of each state is found by Newton's method. The text is empty if there are no such
     times, if the motion's errors need no explanation, or if less than a tenth of the times between

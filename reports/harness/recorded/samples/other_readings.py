@@ -54,7 +54,7 @@ def other_readings(
 
 
 def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield a sentence and the recording at evenly spaced times, if rounding gives its own times.
+    """Yield a sentence, and the recording at even times, if these, rounded, are its own times.
 
     The spacing is 1/n s, with an integer n, or the one that fits the recorded times best.
     """
