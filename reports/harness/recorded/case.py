@@ -149,7 +149,8 @@ class Case:
         """
         motion = self.motion
         speed, distance = float(norms(motion.omega_body).max()), float(np.median(np.diff(motion.t)))
-        # Rounding of ω about the axis of the largest moment turns a needle about its thin axis.
+        # An error of ω about the axis of the largest moment changes ω about that of the smallest
+        # one in proportion to the ratio of these moments.
         turns = speed * distance * float(np.linalg.cond(self.scenario.inertia))
         rounding = ROUNDINGS * self.recording.resolution * np.array([1.0, speed or 1.0])
         return np.asarray((1 + turns) * rounding)

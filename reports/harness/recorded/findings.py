@@ -70,7 +70,7 @@ def _of_numbers(case: Case) -> Finding | None:
     samples = [np.setdiff1d(every, wrong)]
     samples += [every[: wrong.min()]] if len(wrong) else []
     left = parts_of(replace(case, noise=noise), *samples)
-    # Only the effect of rounding may be within a method's error.
+    # Coarse rounding may be within a method's error; no other finding is.
     is_beyond = None if all(any(one.rounding) for one in shown) else True
     words = tuple(one.words for one in shown)
     return Finding(words, left, is_beyond, is_all=not len(wrong))

@@ -27,7 +27,7 @@ from .samples.spins import other_spins
 from .samples.translation import mistakes_of_translation, other_translation
 
 EPS = float(np.finfo(float).eps)
-#: Bound on the attitude, rad, that is reported if the user names none.
+#: Error of the attitude, rad: the time at which it is first exceeded is always reported.
 DEGREE = pi / 180
 #: Relative tolerance with which a timestep may exceed the time between samples: times are rounded.
 TIME_TOLERANCE = 1e-2

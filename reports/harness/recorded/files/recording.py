@@ -230,7 +230,7 @@ class Recording:
         columns = [self.arrays[name].ravel() for name in ("q", "omega") if name in self.arrays]
         numbers = np.concatenate(columns)
         if np.array_equal(numbers, np.rint(numbers)):
-            # Whole numbers were not rounded.
+            # Whole numbers are taken to be exact.
             return eps
         digits = max(map(digits_of, numbers))
         return max(eps, 10.0 ** (1 - digits))

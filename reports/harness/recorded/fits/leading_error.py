@@ -67,7 +67,7 @@ def left_by_methods(
         leading_errors(data, orders, timestep),
     )
     columns = (errors / data.scale).reshape(len(errors), -1).T
-    # Columns are scaled to one, so that none is too small to count.
+    # Columns are scaled to length 1, so that none is too small to count.
     units = np.linalg.norm(columns, axis=0)
     columns = columns[:, units > 0] / units[units > 0]
     best = lsq_linear(columns, residuals, (-LARGEST * units[units > 0], LARGEST * units[units > 0]))

@@ -141,7 +141,7 @@ class LogFit:
         search = self.search
         found = search.from_first_samples(MOST_CHANGES)
         if self._is_beyond(found) or len(found.changes) > 1:
-            # Most measured bodies have another start and tensor, whatever else.
+            # Most measured bodies have another start and tensor than the scene, whatever else.
             other = search.from_first_samples(MOST_CHANGES, (START, self.tensor))
             found = max(found, other, key=search.score)
         if self._is_beyond(found) and self.given.has_omega and not self.right_by_itself:
@@ -237,7 +237,7 @@ class LogFit:
         return self._is_beyond(self.found)
 
     def _is_beyond(self, fit: Fit) -> bool:
-        """Whether the residuals of a fit exceed noise, by a χ² test or an F-test.
+        """Return whether the residuals of a fit exceed noise, by a χ² test or an F-test.
 
         The F-test is used if the noise is not stated, as it was then estimated from samples, too.
         """
@@ -270,7 +270,7 @@ class LogFit:
         return float(np.sqrt(self.chi2 / self.freedom)) if self.is_beyond else 1.0
 
     def is_required(self, change: Change) -> bool:
-        """Whether the samples require a change: its parameters differ significantly from zero.
+        """Return whether samples require a change: its parameters differ significantly from zero.
 
         A change without parameters always counts as required.
 

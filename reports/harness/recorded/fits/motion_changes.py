@@ -20,12 +20,12 @@ from .motion_effects import of_attitude, of_rotors
 #: Kind and number of the change that reverses gravity. A com on the opposite side of the pivot has
 #: the same effect, as the tensor about the pivot is then the same.
 MIRRORED = "gravity's size", -2.0
-#: The integrator keeps ω along world axes, as game engines do, but multiplies q by it on the right,
-#: which is the side for body axes.
+#: The change to an integrator that keeps ω along world axes, as game engines do, but multiplies q
+#: by it on the right, which is the side for body axes.
 IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
 )
-#: The times between samples are wrong by a factor.
+#: The change in which the times between samples are wrong by a factor.
 TIMES = Change("times", lambda h, n: h.of(step=1 + n[:, 0]), np.ones(1))
 
 

@@ -311,7 +311,7 @@ class Physics:
         data = replace(self.intervals.made_by(EXACT, 0.0), noise=noise)
         search = Search(data, self._of_motion, part=SAME)
         found, speed = search.one(), float(norms(self.motion.omega_body).max())
-        # Small residuals of a single change may be a method's error.
+        # No pair is tried if a single change leaves small residuals, which may be a method's error.
         is_much = min((fit.mean_square for fit in search.single), default=np.inf) > LEFT**4 * (
             search.unchanged.mean_square
         )
@@ -416,7 +416,7 @@ class Physics:
         return other if other.mean_square < SAME**2 * residual_square else found
 
     def _is_partial(self, found: Fit) -> bool:
-        """Whether neither a method's error nor a known integrator explains a fit's residuals."""
+        """Return whether neither a method's error nor a known integrator explains the residuals."""
         if self.search is None or self.intervals is None:
             return False
         is_beyond = self.search.exceed_noise(found.residuals)

@@ -172,7 +172,7 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
         bound = float(size_of(np.hstack([body[:, :4], read])).max())
         computed = limited(body, bound)[:, 4:]
         deviation, changed = (float(norms(one - computed).max()) for one in (read, body[:, 4:]))
-        # If every sample exceeds the bound, a factor explains them as well.
+        # If the bound is exceeded at all samples, a scale factor explains the recorded ω as well.
         is_clamp = size_of(body).min() < bound and changed > error / LEFT
         if is_clamp and deviation <= max(error, LEFT**2 * changed):
             yield [f"{words} is clamped to {bound:.4g} rad/s"]

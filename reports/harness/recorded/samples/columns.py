@@ -42,7 +42,7 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
         # A constant component of the exact ω may have been recorded in another column.
         if (np.abs(np.abs(numbers.omega_exact) - abs(column[a])).max(axis=0) < least).any():
             continue
-        # The ω of a body with another tensor may stay the same.
+        # If the body has another tensor, ω may be constant. The attitudes then agree with it.
         if changes > least and deviation > LEFT * changes:
             how = "dead" if not column[a] else "stuck"
             return Shown(

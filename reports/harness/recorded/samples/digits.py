@@ -341,7 +341,7 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
         return None
     if not unit:
         return None
-    # A body that hardly turns has few values.
+    # The quaternions of a body that hardly turns have few different values.
     turns = rotation_vectors(np.broadcast_to(numbers.q_exact[0], numbers.q.shape), numbers.q_exact)
     if norms(turns).max() < CHANGES * unit:
         return None
@@ -373,7 +373,7 @@ def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
     ----------
     omega : ω as in the file, rad/s, (n, 3)
     """
-    # A constant ω has as few digits as it started with.
+    # A constant ω may have few digits because that of the scene's start has.
     if max(len(np.unique(np.round(column, 9))) for column in omega.T) < FEWEST:
         return None
     found = {}

@@ -235,7 +235,7 @@ def intervals_of(
     base = as_it_is(scenario)
     spans = np.diff(motion.t)
     rates = np.maximum(norms(motion.omega_body), base.rate)[:-1]
-    # A body that starts from rest has rates only later.
+    # The rate of a body that starts from rest is 0 at first, and bounds are divided by rates.
     rates = np.maximum(rates, LEAST_RATE * rates.max())
     kept = np.flatnonzero(spans * rates <= near)
     if len(kept) < FEWEST_INTERVALS or not motion.omega_body.any():

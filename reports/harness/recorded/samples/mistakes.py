@@ -314,7 +314,7 @@ class _Beginning:
             options={"xatol": FITS * factor},
         )
         omega = self.at(fit.x * reading.t)[0][:, 4:]
-        # If ω hardly changes, an attitude that does not follow ω would explain as much.
+        # If ω hardly changes, the attitude may as well be wrong, not the times.
         changes = norms(omega - omega[0]).max() / (norms(omega).max() or 1.0)
         if fit.fun >= LEFT * min(least, changes) or abs(fit.x - 1) < tolerance:
             return []

@@ -122,8 +122,8 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
 def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
     """Return the finding that some rows are exchanged with the next ones; None if none are.
 
-    Two successive rows count as exchanged if, only once they are put in the other order, the exact
-    flow leads from row to row.
+    Two successive rows count as exchanged if the exact flow leads to them, and from them to the
+    next row, only in the other order.
     """
     t, states = motion.t, states_of(motion)
     if len(t) < FEWEST or not motion.omega_body.any():

@@ -30,7 +30,7 @@ def other_spins(
     spins = scenario.spins(motion.omega_body, scenario.kept_at_start)
     step = float(np.diff(exact.t).max())
     h = min(timestep or step, step)
-    # A method of order 1 is late by one step.
+    # The spins by a method of order 1 are late by one step at most.
     late = float(norms(np.diff(exact.spins, axis=0)).max()) * h / step
     rounding = rounding_of(recorded, RATES, len(exact.t) * step / h)
     size = float(norms(exact.spins).max())

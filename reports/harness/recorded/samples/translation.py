@@ -35,7 +35,7 @@ def mistakes_of_translation(
     At most one sentence on the com and one on the velocity; often none
     """
     words = []
-    # Errors are compared with the com's distance from its origin and the world's, and with speeds.
+    # Errors of the com are compared with its distances from the origins of body and world.
     lever = float(np.linalg.norm(scenario.constraint.lever))
     speed = float(norms(exact.omega_body).max()) * lever
     for name, candidates, scale in (
