@@ -43,7 +43,8 @@ class JudgedMotion:
     ----------
     recorded : the motion as it was read
     solution : the exact motion at the recorded times
-    timestep : timestep with which the motion was computed, s; None if the recording states none
+    timestep : timestep with which the motion was computed, s; None if neither file nor user states
+        it
     verdict : a sentence on whether the motion's errors are within noise, or within the errors of a
         method with the given order and timestep
     is_beyond : whether the motion's errors are larger than that
