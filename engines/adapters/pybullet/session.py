@@ -94,8 +94,8 @@ class PyBulletSession(Session):
             self._step_at_rest(self._motions[key], on_pivot)
         if self.world.scene["plane"] is not None:
             # PyBullet keeps the impulses of a contact until a step in which nothing touches.
-            above = state.com_world + [0.0, 0.0, ABOVE * Equations(self._scenario).reach]
-            self._step_at_rest(self._motions[key], above)
+            up = np.array([0.0, 0.0, ABOVE * Equations(self._scenario).reach])
+            self._step_at_rest(self._motions[key], state.com_world + up)
         self.world.restart(self._motions[key], timestep)
 
     def _step_at_rest(self, motion: dict[str, Any], place: FloatArray) -> None:

@@ -1,1 +1,1 @@
-"""Recorded motions from anywhere: read, compared with the exact motion, and explained."""
+"""Reads recorded motions from any source, compares them with the exact one, and explains errors."""

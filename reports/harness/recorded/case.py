@@ -22,28 +22,30 @@ from .samples.mistakes import FITS
 
 #: Names of the settings by which a file states the noise of attitude, rad, and of ω, rad/s.
 NOISE = ("noise_attitude", "noise_omega")
-#: Error by rounding in following the exact motion over a short interval, in units of the relative
-#: resolution of the printed numbers.
+#: Bound on the error that rounded numbers cause over a short interval, relative, in multiples of
+#: the relative resolution of the numbers.
 ROUNDINGS = 8.0
-#: Largest error of an ω that is computed from attitudes, in multiples of `DerivedOmega.error`.
+#: Bound on the error of an ω that is computed from attitudes, in multiples of `DerivedOmega.error`.
 STENCIL_ERRORS = 4.0
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A recording that is to be explained.
+    """A recording that is to be explained, with the exact motion at its times.
 
     Attributes
     ----------
     reading : the samples of the recording, read in one way
-    exact, recorded : the exact motion, and the recorded one in that reading, at the reading's times
+    exact : the exact motion at the times of the reading
+    recorded : the recorded motion in that reading
     timestep : timestep with which the motion was computed, s; None if unknown
-    order : order of accuracy of the method that computed it
-    noise : standard deviations of attitude, rad, and ω, rad/s, (2,), of the noise or coarse
-        rounding that earlier findings showed; zeros if they showed none
-    undone : how often mistakes in recording have been undone in the reading
-    is_smooth : whether samples have been left out because of a jump: no more jumps are looked for
-    is_trial : whether the case is only tried: its explanation ends early if something stays open
+    order : order of accuracy of the method that computed the motion
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,), by noise or coarse rounding
+        that was found in the recording before; zeros if none was found
+    undone : how many times mistakes in recording have been corrected in the reading
+    is_smooth : whether samples have been left out because of a jump; no more jumps are looked for
+    is_trial : whether the case is only a trial, which is given up as soon as part of the motion
+        stays unexplained
     """
 
     scenario: Scenario
@@ -70,7 +72,7 @@ class Case:
 
     @property
     def reach(self) -> int:
-        """How many samples on each side ω is computed from; 0 if it was recorded."""
+        """The number of samples on each side from which ω is computed; 0 if ω was recorded."""
         return self.recorded.derived.reach if self.recorded.derived else 0
 
     def of(self, samples: NDArray[np.intp]) -> "Case | None":
@@ -78,7 +80,8 @@ class Case:
 
         Returns
         -------
-        None if they are too few, or too far apart to compute ω from attitudes
+        The case; None if there are too few of these samples, or if ω was not recorded and they are
+        too far apart to compute it from the attitudes
         """
         if len(samples) <= FEWEST_INTERVALS:
             return None
@@ -88,13 +91,18 @@ class Case:
             return None
 
     def read(self, reading: Reading) -> "Case | None":
-        """Return the case of the recording in another reading, with other times or fewer samples.
+        """Return the case of the same recording, read in another way.
+
+        Parameters
+        ----------
+        reading : another reading, with all samples or with some of them. With all samples it may
+            have other times
 
         Returns
         -------
-        None if the reading has both fewer samples and other times; if it has other times, and these
-        begin before 0 or the exact motion is not known at them; or if ω was not recorded, and the
-        attitudes are too far apart to compute it
+        The case, or None in three situations: the reading has fewer samples and other times; its
+        other times begin before 0 or the exact motion is not known at all of them; ω was not
+        recorded and the attitudes are too far apart to compute it
         """
         t = self.reading.t
         kept = np.flatnonzero(np.isin(t, reading.t))
@@ -114,40 +122,51 @@ class Case:
         return self._beside(replace(self.recording, arrays=arrays), reading, self.exact.at(kept))
 
     def _beside(self, recording: Recording, reading: Reading, exact: Trajectory) -> "Case":
-        """Return this case with another recording, reading, and exact motion at the same times."""
+        """Return this case with another recording, its reading, and the exact motion at its times.
+
+        Raises
+        ------
+        RecordingError
+            If the recorded motion cannot be computed, as `recorded_motion` says.
+        """
         recorded = recorded_motion(self.scenario, recording, reading, exact)
         return replace(self, recording=recording, reading=reading, exact=exact, recorded=recorded)
 
     @property
     def stated(self) -> FloatArray | None:
-        """The stated standard deviations of attitude, rad, and ω, rad/s, (2,); None without any.
+        """The standard deviations of attitude, rad, and ω, rad/s, (2,), that the file states.
 
-        Each is at least that of `floor`.
+        Each is at least that in `floor`. The property is None if the file states neither.
         """
         stated = [float(self.recording.settings.get(name, 0.0)) for name in NOISE]
         return np.maximum(stated, self.floor) if any(stated) else None
 
     @cached_property
     def rounding(self) -> FloatArray:
-        """The error of attitude, rad, and ω, rad/s, by the rounding of printed numbers, (2,)."""
+        """Bounds on the errors of attitude, rad, and ω, rad/s, by rounded numbers, (2,).
+
+        They hold for the motion from one sample to the next, which starts from rounded numbers.
+        """
         motion = self.motion
         speed, distance = float(norms(motion.omega_body).max()), float(np.median(np.diff(motion.t)))
-        # Rounding of ω about the axis of the largest moment turns a needle about its thin axis.
+        # An error of ω about the axis of the largest moment changes ω about that of the smallest
+        # one in proportion to the ratio of these moments.
         turns = speed * distance * float(np.linalg.cond(self.scenario.inertia))
         rounding = ROUNDINGS * self.recording.resolution * np.array([1.0, speed or 1.0])
         return np.asarray((1 + turns) * rounding)
 
     @cached_property
     def floor(self) -> FloatArray:
-        """The error of attitude, rad, and ω, rad/s, (2,), by rounding of the recorded numbers.
+        """Bounds on the errors of attitude, rad, and ω, rad/s, that need no explanation, (2,).
 
-        If ω was not recorded, it includes the error of computing ω from attitudes.
+        They are those in `rounding`. If ω was not recorded, they include the error of computing it
+        from attitudes.
         """
         derived, of_attitude = self.recorded.derived, self.rounding[0]
         if derived is None:
             return self.rounding
         distances = np.diff(self.motion.t)
-        # Attitudes with errors that need no explanation have a rate between them with such errors.
+        # The rate between two attitudes has the errors of both, over the time between them.
         of_rounding = 2 * max(of_attitude, FITS) / float(distances.min())
         omega_error = STENCIL_ERRORS * derived.error + of_rounding
         return np.array([of_attitude + float(distances.max()) * omega_error, omega_error])
@@ -156,7 +175,7 @@ class Case:
     def of_intervals(self) -> FloatArray:
         """Standard deviations of the noise of attitude, rad, and ω, rad/s, in an interval, (2,).
 
-        An interval between two samples has the noise of both.
+        An interval between two samples has the noise of both, hence √2 times that of one sample.
         """
         least = self.floor if self.stated is None else np.sqrt(2) * self.stated
         return np.asarray(np.maximum(least, np.sqrt(2) * self.noise))
@@ -169,13 +188,14 @@ class Case:
 
     @cached_property
     def numbers(self) -> Numbers:
-        """The columns of the recording, as they are read, beside the exact motion."""
+        """The columns of the recording, together with those of the exact motion."""
         return numbers_of(self.recording, self.reading, self.exact)
 
     def jumps(self, base: Hypothesis | None = None) -> list[Jump]:
-        """Return the jumps of a motion that obeys the equations between nearly all samples.
+        """Return the jumps of the motion: the few intervals in which it disobeys the equations.
 
-        The list is empty if the motion does not obey them, or has no jump.
+        The list is empty if there is none, or if the motion disobeys the equations in too many
+        intervals.
 
         Parameters
         ----------
@@ -184,7 +204,8 @@ class Case:
         of_method = self.timestep, self.order, self.of_intervals
         intervals = intervals_of(self.scenario, self.motion, *of_method, near=FAR)
         if intervals and base is not None:
-            # Deviations far below what the base explains are no jumps of the motion.
+            # Deviations far smaller than those that `base` explains are residuals of its fit, and
+            # no jumps of the motion.
             noise = np.maximum(intervals.noise, LEFT**2 * self.physics.off)
             intervals = replace(intervals, base=base, noise=noise)
         return jumps(intervals, self.reach) if intervals else []
@@ -194,8 +215,9 @@ class Case:
 
         Returns
         -------
-        None if ω was not recorded, if the first sample is later than the scene's start, if its
-        state is no valid start, or if the exact motion from that state is not known
+        The case; None if ω was not recorded, if the first sample is later than the scene's start,
+        if the first recorded state is no valid start of a scene, or if the exact motion from that
+        state is not known at all times of the recording
         """
         if not self.has_omega or self.exact.t[0]:
             return None

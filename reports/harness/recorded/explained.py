@@ -1,14 +1,14 @@
 """Explains a recorded motion, and says whether its errors are those of noise or of its method.
 
-Three kinds of explanations are tried:
+Three kinds of explanations are tried, in this order:
 
-- a mistake that is found in the recording, and then what explains the recording without it:
-  `_with_remainder`
-- the equations of motion: of a motion with noise `_of_measured`, of any other `_of_computed`, which
-  also tries how attitude and ω were read, `_of_readings`, and a clamp, `_of_equations`
-- if equations explain too little, a mistake in recording besides, `_beside_a_mistake`, or a change
-  at some time: what explains the motion from then on, `_since_exactly`, or until then,
-  `_by_its_beginning`
+- A mistake is found in the recording. What remains is explained in turn (`_with_remainder`).
+- Other equations of motion explain a motion with noise (`_of_measured`) or without
+  (`_of_computed`). Without noise it may also be explained by mistakes in attitude or ω
+  (`_of_readings`), or by a clamp of ω (`_of_equations`).
+- If other equations explain too little, there may be a mistake in recording besides
+  (`_beside_a_mistake`). Or the physics change at some time, and the motion is explained from that
+  time on (`_since_exactly`) or until then (`_by_its_beginning`).
 """
 
 from dataclasses import dataclass, replace
@@ -33,11 +33,11 @@ from .samples.intervals import intervals_of
 from .samples.missing import is_omega_off
 from .samples.mistakes import FITS, followed
 
-#: The largest errors of attitude, rad, and of ω, relative to the largest ‖ω‖, that the iterative
-#: constraint solver of an engine scatters like noise.
+#: Largest error of attitude, rad, and of ω, relative to the largest ‖ω‖, by which the iterative
+#: constraint solver of an engine may scatter states at random.
 SOLVERS = 1e-4
-#: If a motion is not explained as a whole, its first half and first quarter are tried; the least
-#: number of samples in such a part.
+#: The first parts of a motion that are tried if it is not explained as a whole: a half and a
+#: quarter. The least number of samples in such a part.
 PARTS, FEWEST = (2, 4), 20
 UNTIL = "that explains it until t = {:.4g} s, and not all that follows: look for what changed"
 EXACT_UNTIL = (
@@ -48,7 +48,7 @@ CHANGED = (
     "{}; from then on it is another one, off by up to {:.2g}° and {:.2g} rad/s from sample to "
     "sample: look for what changed there"
 )
-#: How many mistakes in recording are tried together with other explanations.
+#: The most mistakes in recording that are tried, one at a time, together with other explanations.
 MOST_TRIED = 3
 
 
@@ -58,8 +58,12 @@ class Explanation:
 
     Attributes
     ----------
-    explained_by, verdict, is_beyond, made_by, measured : as in `JudgedMotion`
-    is_open : whether `explained_by` leaves some of the difference from the exact motion unexplained
+    explained_by : sentences on what explains why the motion is not the exact one
+    verdict : a sentence on whether its errors are within noise, or within those of its method
+    is_beyond : whether its errors are larger than that
+    made_by : the known integrator that computed the motion, in words; empty if none is recognised
+    measured : the fit to all samples if the motion has noise, else None
+    is_open : whether part of the difference from the exact motion stays unexplained
     """
 
     explained_by: tuple[str, ...]
@@ -71,19 +75,20 @@ class Explanation:
 
 
 def explained(case: Case) -> Explanation:
-    """Return what explains a recorded motion.
+    """Return what explains why a recorded motion is not the exact one.
 
-    A mistake that is found in the recording is undone, and the recording without it is explained in
-    turn; a recording without mistakes is explained by the equations of motion.
+    If a mistake is found in the recording, it is corrected, and the corrected recording is
+    explained in turn. If none is found, other equations of motion are tried.
     """
     found = finding(case)
     return _with_remainder(case, found) if found else _by_equations(case)
 
 
 def _with_remainder(case: Case, found: Finding) -> Explanation:
-    """Return a finding in a recording, together with what explains the recording without it.
+    """Return a finding in a recording, together with what explains the rest of the difference.
 
-    Of the cases in `Finding.left`, the first that is fully explained is used, or else the last.
+    The cases in `Finding.left` are explained in turn. The first that is explained fully is used; if
+    none is, the last one.
     """
     remainder = None
     for left in found.left:
@@ -91,10 +96,10 @@ def _with_remainder(case: Case, found: Finding) -> Explanation:
         if not remainder.is_open:
             break
     is_beyond = case.physics.is_beyond if found.is_beyond is None else found.is_beyond
-    # Where only some samples remain, what was found may be the reason of their differences, too.
+    # If only some samples remain, what was found may have made these wrong, too.
     is_reported = remainder is not None and (found.is_all or not remainder.is_open)
-    # The sentence that ω is not the rate of the attitudes adds nothing where most of the motion is
-    # explained.
+    # Once most of the motion is explained, the sentence that ω is not that of the attitudes adds
+    # nothing.
     of_remainder = (
         [one for one in remainder.explained_by if one != OMEGA] if remainder and is_reported else []
     )
@@ -106,22 +111,26 @@ def _with_remainder(case: Case, found: Finding) -> Explanation:
 
 
 def _by_equations(case: Case) -> Explanation:
-    """Return what explains a motion by the equations of motion, with noise or a method's error."""
+    """Return what explains a motion in whose recording no mistake is found.
+
+    Other equations of motion are tried, together with noise or the errors of a method.
+    """
     noise, alternates = _noise_of(case)
     if noise is not None:
         has = {"is_stated": case.stated is not None, "has_omega": case.has_omega}
         log = log_of(case.scenario, case.motion, case.exact, noise, **has)
         fit, case = Measured(case.scenario, log), replace(case, noise=noise)
-        # A log whose ω was read wrongly is fitted after that has been undone.
+        # If ω was recorded wrongly, that is corrected before the log is fitted.
         is_tried = fit.search.is_called_for and _may_be_mistaken(case)
         if is_tried and (both := _beside_a_mistake(case)):
             return both
         if fit.is_beyond and (words := since_when(fit, case.motion, case.exact)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
-        # A solver's error is like noise, and its method has errors besides.
+        # A constraint solver's error looks like noise, but the method has other errors, too.
         is_measured = case.stated is not None or bool((noise > _of_solvers(case)).any())
         is_measured = is_measured or case.physics.is_beyond or not fit.is_beyond
-        # A method with errors in attitude or in ω soon has errors in both.
+        # If attitude or ω alone is right, the motion was measured: errors of a method in one of
+        # them soon cause errors in the other.
         if is_measured or fit.right_by_itself:
             found = _of_measured(fit, case)
             if case.is_trial or not fit.is_beyond or found.explained_by:
@@ -141,22 +150,26 @@ def _by_equations(case: Case) -> Explanation:
 
 
 def _may_be_mistaken(case: Case) -> bool:
-    """Whether mistakes in recording are tried together with other explanations.
+    """Return whether mistakes in recording are to be tried together with other explanations.
 
-    They are if ω was recorded, no mistake has been undone before, and the case is no trial.
+    They are if ω was recorded, no mistake has been corrected before, and the case is no trial.
     """
     return case.has_omega and not (case.undone or case.is_trial)
 
 
 def _by_its_beginning(case: Case) -> Explanation | None:
-    """Return what explains the beginning of a motion, and until when; None if nothing does."""
+    """Return what explains the first half or quarter of a motion; None if nothing does.
+
+    The sentences also say until when the explanation holds.
+    """
     t = case.motion.t
     for part in PARTS:
         left = case.of(np.arange(len(t) // part)) if len(t) >= part * FEWEST else None
         remainder = _by_equations(replace(left, is_trial=True)) if left else None
         if left is None or remainder is None or remainder.is_open:
             continue
-        # Noise that is estimated may be an engine's error.
+        # If noise is estimated, not stated, noise alone explains nothing: it may be a method's
+        # error.
         if not remainder.explained_by and case.stated is None:
             continue
         fit = left.physics.by_change if left.physics.is_of_equations else None
@@ -168,7 +181,7 @@ def _by_its_beginning(case: Case) -> Explanation | None:
 
 
 def _since_exactly(case: Case) -> Explanation | None:
-    """Return from which time on a motion is not the exact one, and what explains it from then on.
+    """Return when a motion suddenly ceases to be the exact one, and what explains the later motion.
 
     Returns
     -------
@@ -199,13 +212,13 @@ def _since_exactly(case: Case) -> Explanation | None:
 
 
 def _beside_a_mistake(case: Case) -> Explanation | None:
-    """Return a mistake in recording, and what explains the motion without it.
+    """Return a mistake in recording, together with what explains the corrected motion.
 
-    A mistake is tried only if the attitude follows ω once the mistake is corrected.
+    A mistake is tried only if ω is the rate of the attitude after it is corrected.
 
     Returns
     -------
-    None if no mistake leaves a motion that can be explained
+    None if no correction leads to a motion that is explained fully
     """
     for words, reading in followed(case.reading, case.scenario)[:MOST_TRIED]:
         if left := case.read(reading):
@@ -219,15 +232,16 @@ def _beside_a_mistake(case: Case) -> Explanation | None:
 
 
 def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
-    """Return the noise of a motion, and what alternates from sample to sample and is not noise.
+    """Return the noise of a motion, and what alternates from sample to sample without being noise.
 
-    The noise is the stated one. If none is stated, it is the noise that earlier findings showed, or
-    else what alternates, if that looks like noise and the motion is not known to be computed.
+    The noise is that which the file states. If it states none, it is the noise that was found in
+    the recording before. If there was none either, it is what alternates from sample to sample, if
+    that looks like noise and the motion is not known to have been computed.
 
     Returns
     -------
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,); None if the motion has none
-    alternates : None if nothing alternates, or if the noise was estimated
+    alternates : what alternates; None if nothing does, or if there is noise that is not stated
     """
     alternates = alternation(case.scenario, case.motion, case.rounding)
     if case.stated is None and case.noise.any():
@@ -235,7 +249,7 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
         return np.maximum(case.noise, np.maximum(case.floor, fits)), None
     if case.stated is not None or not alternates:
         return case.stated, alternates
-    # An order of more than one is stated only of a motion that was computed.
+    # Only for a motion that was computed does a user state an order of more than one.
     is_computed = case.timestep is not None and case.order > 1
     is_large = bool((alternates.noise > _of_solvers(case)).all())
     is_noise = alternates.is_noise & [is_large or not case.has_omega, case.has_omega]
@@ -245,16 +259,16 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
 
 
 def _of_solvers(case: Case) -> FloatArray:
-    """Return the largest noise, by `SOLVERS`, of attitude, rad, and ω, rad/s, (2,)."""
+    """Return the largest scatter of attitude, rad, and ω, rad/s, (2,), by constraint solvers."""
     return SOLVERS * np.array([1.0, norms(case.motion.omega_body).max()])
 
 
 def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
-    """Return what explains a motion that was computed, and has no noise.
+    """Return what explains a motion that has no noise, as one that was computed.
 
     Parameters
     ----------
-    alternates : what alternates from sample to sample of the motion; None if nothing does, or if ω
+    alternates : what alternates in the motion from sample to sample; None if nothing does, or if ω
         was not recorded
     """
     physics, motion = case.physics, case.motion
@@ -271,8 +285,8 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
                 words = [*words, *(one.words for one in case.jumps(fit.hypothesis))]
     if alternates and physics.is_beyond:
         words = alternates.of_omega or words
-    # Other equations change no state at the scene's start. Free rotors keep another momentum if the
-    # body that carries them starts otherwise.
+    # Other equations cannot explain a wrong state at the scene's start. From a wrong first ω,
+    # rotors on free hinges keep a wrong momentum, which looks like other equations.
     is_carried = keeps_momentum_of_start(case.scenario)
     at_start = not physics.exact.t[0] and (physics.is_of_equations or is_carried)
     start = elsewhere(physics) if case.has_omega and (of_method or at_start or not words) else []
@@ -289,10 +303,11 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
 
 
 def _of_attitudes(case: Case) -> list[str]:
-    """Return the sentences on changes that explain the attitudes alone, and on how ω was read.
+    """Return sentences on other equations that the attitudes obey, and on how ω was then recorded.
 
-    None are returned if the case is only tried, if ω was not recorded, or if changes that explain
-    the whole motion leave no more than noise or a method's errors.
+    The list is empty if no such equations are found, or if the wrong ω cannot be explained beside
+    them. They are not looked for if the case is only a trial, if ω was not recorded, or if other
+    equations explain the whole motion but for noise or a method's errors.
     """
     physics = case.physics
     found = physics.found or physics.by_change
@@ -312,9 +327,9 @@ def _of_attitudes(case: Case) -> list[str]:
 
 
 def _of_equations(case: Case) -> list[str]:
-    """Return the sentences on changes of equations, or on a clamp, that explain a motion.
+    """Return sentences on the clamp of ω, or else on the other equations, that explain a motion.
 
-    With a clamp, sentences follow on the motion before its bound is reached.
+    After a sentence on a clamp, further ones explain the motion before ω reaches its bound.
     """
     if not case.physics.clamps:
         return case.physics.explained()
@@ -325,7 +340,7 @@ def _of_equations(case: Case) -> list[str]:
 
 
 def _of_readings(physics: Physics) -> list[str]:
-    """Return the sentences on how attitude or ω was recorded wrongly; often none."""
+    """Return sentences on how attitude or ω was recorded wrongly; an empty list if neither was."""
     if words := attitude_read(physics.motion, physics.exact):
         return words
     is_tried = physics.is_beyond or is_omega_off(physics.motion, physics.exact)
@@ -333,11 +348,19 @@ def _of_readings(physics: Physics) -> list[str]:
 
 
 def _of_measured(fit: Measured, case: Case) -> Explanation:
-    """Return what explains a measured motion: other physics if its residuals exceed noise."""
+    """Return what explains a motion with noise.
+
+    If even the best fit leaves more than noise, the explanations of motions without noise are tried
+    before the changes that the fit found.
+
+    Parameters
+    ----------
+    fit : the fit of the exact motion to all samples
+    """
     physics = case.physics
     words = physics.dissipated if fit.search.is_called_for else []
     if not words and fit.is_beyond and (physics.clamps or physics.by_change is None):
-        # The attitudes are the scene's only if a sensor is limited, and not the body itself.
+        # If a clamp limited the body's own ω, the attitudes could not be the scene's.
         words = fit.right_by_itself
     words = words or (_of_equations(case) if fit.is_beyond else []) or fit.explained()
     said, is_beyond = tuple(words), fit.is_beyond

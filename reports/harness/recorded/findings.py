@@ -1,4 +1,7 @@
-"""Finds mistakes in a recording before any equation is changed, and what remains without them."""
+"""Finds mistakes in a recording, and what remains to be explained once they are corrected.
+
+The equations of motion are those of the scene: other equations are tried elsewhere, and later.
+"""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -14,7 +17,7 @@ from .samples.interpolated import interpolated
 from .samples.mistakes import mistakes, rounded_times, without
 from .samples.odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wrapped
 
-#: Mistakes are looked for as long as they have been undone at most so many times before.
+#: Mistakes in recording are looked for if they have been corrected at most this many times before.
 MOST_UNDONE = 2
 
 
@@ -24,11 +27,11 @@ class Finding(NamedTuple):
     Attributes
     ----------
     words : sentences on the finding
-    left : alternative cases without the finding, which remain to be explained: the first that is
-        fully explained counts
-    is_beyond : whether the finding exceeds the error of a method; None if that is to be decided
-        from the motion
-    is_all : whether the cases in `left` have all samples of the recording, and not only some
+    left : the recording with the mistake corrected or the wrong samples left out, in one or more
+        alternative cases. They are explained in turn, until one is explained fully
+    is_beyond : whether the finding is more than the error of a method; None if the deviations of
+        the motion decide that
+    is_all : whether each case in `left` has all samples of the recording, and not only some
     """
 
     words: tuple[str, ...]
@@ -40,17 +43,17 @@ class Finding(NamedTuple):
 def finding(case: Case) -> Finding | None:
     """Return the first finding in a recording; None if there is none.
 
-    Findings that are certain by the numbers themselves come before those that need the motion.
+    What the numbers alone show is looked for first, and then what the equations of motion show.
     """
     return _of_numbers(case) or _of_mistakes(case) or _of_times(case) or _of_jumps(case)
 
 
 def _of_numbers(case: Case) -> Finding | None:
-    """Return what a recording's numbers show without an equation of motion; None if nothing.
+    """Return what samples show by themselves or beside their neighbours; None if nothing.
 
-    `Finding.left` has the corrected recording if all samples can be corrected, and the recording as
-    it is if no sample is wrong. Else it has two cases: the recording without its wrong samples, and
-    the samples before the first wrong one.
+    `Finding.left` has one case if all samples can be corrected: the corrected recording. It also
+    has one if no sample is wrong: the recording as it is. Otherwise it has two cases: the recording
+    without its wrong samples, and the samples before the first wrong one.
     """
     shown = shown_by_digits(case.numbers)
     if case.noise.any():
@@ -67,14 +70,14 @@ def _of_numbers(case: Case) -> Finding | None:
     samples = [np.setdiff1d(every, wrong)]
     samples += [every[: wrong.min()]] if len(wrong) else []
     left = parts_of(replace(case, noise=noise), *samples)
-    # Only the effect of rounding may be within a method's error.
+    # Coarse rounding may be within a method's error; no other finding is.
     is_beyond = None if all(any(one.rounding) for one in shown) else True
     words = tuple(one.words for one in shown)
     return Finding(words, left, is_beyond, is_all=not len(wrong))
 
 
 def _odd_samples(case: Case) -> Shown | None:
-    """Return what single samples show beside their neighbours; None if nothing."""
+    """Return what single samples or columns show beside the other samples; None if nothing."""
     numbers = case.numbers
     found = interpolated(numbers) or lost_sign(case.reading, numbers) or across_signs(numbers)
     if found or numbers.omega is None:
@@ -89,9 +92,9 @@ def _odd_samples(case: Case) -> Shown | None:
 
 
 def _of_mistakes(case: Case) -> Finding | None:
-    """Return mistakes in recording, and the case without them; None if none is found.
+    """Return mistakes in recording, and the case with them corrected; None if none is found.
 
-    None are looked for if mistakes have been undone more than `MOST_UNDONE` times before.
+    None is looked for if mistakes have been corrected more than `MOST_UNDONE` times before.
     """
     reading, scenario = case.reading, case.scenario
     if case.undone > MOST_UNDONE:
@@ -107,17 +110,17 @@ def _of_mistakes(case: Case) -> Finding | None:
 
 
 def _of_times(case: Case) -> Finding | None:
-    """Return the finding that each state is the exact motion's at another time; None if not so."""
+    """Return the finding that each recorded state is the exact one at another time; or None."""
     words = warped(case.scenario, case.motion, case.exact, case.of_intervals)
     return Finding((words,)) if words else None
 
 
 def _of_jumps(case: Case) -> Finding | None:
-    """Return jumps of the motion; None if there is none.
+    """Return the finding that the motion jumps; None if it does not.
 
-    The samples before the first jump remain to be explained, or all but the first sample if that
-    one is wrong. None are looked for if samples have been left out because of a jump before, or if
-    a clamp explains the motion.
+    The samples before the first jump remain to be explained. If only the first sample is before
+    it, that sample is wrong, and all others remain. No jump is looked for if samples have been left
+    out because of an earlier jump, or if a clamp of ω explains the motion.
     """
     if case.is_smooth or case.physics.clamps or not (found := case.jumps()):
         return None
@@ -128,5 +131,8 @@ def _of_jumps(case: Case) -> Finding | None:
 
 
 def parts_of(case: Case, *samples: NDArray[np.intp]) -> tuple[Case, ...]:
-    """Return a case for each set of samples, given by their indices, that has enough of them."""
+    """Return a case for each of several sets of samples that are given by their indices, (k,).
+
+    Sets with too few samples for a case, as `Case.of` says, are left out.
+    """
     return tuple(filter(None, map(case.of, samples)))

@@ -27,11 +27,11 @@ from .samples.spins import other_spins
 from .samples.translation import mistakes_of_translation, other_translation
 
 EPS = float(np.finfo(float).eps)
-#: Bound on the attitude, rad, that is reported if the user names none.
+#: Error of the attitude, rad: the time at which it is first exceeded is always reported.
 DEGREE = pi / 180
-#: Tolerance of printed times, relative to a timestep.
+#: Relative tolerance with which a timestep may exceed the time between samples: times are rounded.
 TIME_TOLERANCE = 1e-2
-#: Quantities that a recording of a free body may lack.
+#: Quantities that have no error if they were not recorded, unless the body turns about a pivot.
 OPTIONAL = ("com", "velocity")
 
 
@@ -43,21 +43,24 @@ class JudgedMotion:
     ----------
     recorded : the motion as it was read
     solution : the exact motion at the recorded times
-    timestep : s; None if neither the file nor the user states it
-    verdict : a sentence on whether the motion is within the error of noise, or of a method with the
-        given order and timestep
-    is_beyond : whether the motion exceeds that error
-    errors : the largest error of each signal, by name, of the attitude in rad, else relative; None
-        for ω, spins, and for com and velocity of a body without a pivot, if they were not recorded
-    series : errors sample by sample
+    timestep : timestep with which the motion was computed, s; None if neither file nor user states
+        it
+    verdict : a sentence on whether the motion's errors are within noise, or within the errors of a
+        method with the given order and timestep
+    is_beyond : whether the motion's errors are larger than that
+    errors : the largest error of each signal, by name; of the attitude in rad, else relative. It is
+        None for a quantity that was not recorded, except for com and velocity of a body on a pivot,
+        which follow from attitude and ω
+    series : the errors of each sample
     drifts : the largest relative change of each conserved quantity, by name
-    defects : defects of the intervals between samples, by signal; empty if the exact flow cannot
-        follow the motion
-    explained_by : mistakes in recording, or other physics, that explain the difference, in words
+    defects : defects of the intervals between samples, by signal; empty if the body turns too far
+        in all, or if the exact flow cannot be computed from a sample
+    explained_by : sentences on the mistakes in recording, or the other physics, that explain why
+        the motion is not the exact one
     made_by : the known integrator that computed the motion, in words; empty if none is recognised
-    measured : if the motion has noise, the fit of the exact motion to all samples
+    measured : the fit of the exact motion to all samples if the motion has noise, else None
     remarks : sentences on how the file was read
-    ignored : headings of the file that have no meaning here
+    ignored : headings of the file that name no known quantity
     is_single : whether the motion was computed in single precision
     resolution : the relative resolution with which the file's numbers are printed
     """
@@ -81,11 +84,11 @@ class JudgedMotion:
 
     @property
     def is_another(self) -> bool:
-        """Whether the motion is not the exact one: `is_beyond`, or a mistake explains it."""
+        """Whether the motion is another than the scene's: `is_beyond`, or something explains it."""
         return self.is_beyond or bool(self.explained_by)
 
     def as_record(self) -> dict[str, Any]:
-        """Return the results, as `spincheck judge --json` prints them for a file."""
+        """Return the results as a dictionary, which `spincheck judge --json` prints for a file."""
         return {
             "timestep": self.timestep,
             **{SIGNAL[signal].key: error for signal, error in self.errors.items()},
@@ -107,16 +110,16 @@ class JudgedMotion:
         return self._beyond_since("attitude", DEGREE)
 
     def beyond(self, bounds: Mapping[str, float]) -> list[str]:
-        """Return a sentence for each bound that is exceeded.
+        """Return a sentence for each bound that an error exceeds.
 
         Parameters
         ----------
-        bounds : largest error allowed, by signal, relative or in rad
+        bounds : the largest errors allowed, by signal; of the attitude in rad, else relative
 
         Raises
         ------
         RecordingError
-            If a bound is on a signal that was not recorded.
+            If there is a bound for a signal that was not recorded.
         """
         if unrecorded := [name for name in bounds if self.errors[name] is None]:
             raise RecordingError(f"'{unrecorded[0]}' cannot be checked: it was not given")
@@ -135,7 +138,7 @@ class JudgedMotion:
 
 
 def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> JudgedMotion:
-    """Return a recorded motion, compared with the exact one at the same times and explained.
+    """Compare a recorded motion with the exact one at the same times, and explain its errors.
 
     Parameters
     ----------
@@ -144,10 +147,10 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
     Raises
     ------
     RecordingError
-        If the timestep is not positive or is longer than all samples are apart, the exact motion is
-        not known up to the last time, times are so long that they must be in another unit than s,
-        ω is missing and cannot be computed from the attitudes, or the number of spins is not that
-        of the scene's rotors.
+        In any of these cases: the timestep is not positive, or is longer than the longest time
+        between two samples; the exact motion is not known up to the last time; the times are so
+        late that they must be in another unit than s; ω was not recorded and the attitudes are too
+        far apart to compute it; the number of spins is not that of the scene's rotors.
     """
     stated = recording.settings.get("timestep")
     timestep = None if stated is None else float(stated)
@@ -188,9 +191,10 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
 
 def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
-    """Return the largest relative drift of a recorded motion from each law, by the law's name.
+    """Return the largest relative drift of each conserved quantity, by its name.
 
-    The drift of the rotors' momenta is left out if spins were not recorded.
+    The drift of the rotors' momenta is left out if spins were not recorded, as these were computed
+    from constant momenta.
     """
     found = drifts(scenario, recorded.trajectory)
     if not recorded.has_spins:
@@ -199,12 +203,17 @@ def _drifts(scenario: Scenario, recorded: RecordedMotion) -> dict[str, float]:
 
 
 def _check_timestep(timestep: float | None, times: FloatArray) -> None:
-    """Check a stated timestep, s, against the times of samples, s, (n,); None passes.
+    """Check that a stated timestep is possible with the times of samples.
+
+    Parameters
+    ----------
+    timestep : s; if None, there is nothing to check
+    times : times of the samples, s, (n,)
 
     Raises
     ------
     RecordingError
-        If it is not positive, or longer than the longest time between two samples.
+        If the timestep is not positive, or longer than the longest time between two samples.
     """
     if timestep is not None and not timestep > 0:
         raise RecordingError(f"'timestep' must be a positive number of seconds, got {timestep:g}")

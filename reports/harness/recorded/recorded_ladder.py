@@ -1,7 +1,7 @@
-"""Judges recorded motions at halved timesteps as the ladder of one method.
+"""Judges recorded motions whose timesteps are halved from file to file as the ladder of one method.
 
-The gains of each file over the exact flow, from sample to sample, are judged by the same model as
-the gains of single steps. Files do not show whether a step depends on the state alone.
+The gains of each file from sample to sample are judged by the same model as the gains of single
+steps. Files cannot show whether the method has memory.
 """
 
 from collections.abc import Sequence
@@ -33,18 +33,25 @@ from .judged import JudgedMotion
 
 #: Two times are the same if they differ by less than this, relative to the last time.
 SAME_TIME = 1e-9
-#: Largest error of the attitude, rad, at which intervals are judged. Motions further from the exact
-#: one start their intervals from other states, so that gains are no function of the timestep.
+#: Largest error of the attitude, rad, at which intervals are judged. With larger errors the files'
+#: intervals start from different states, and gains do not depend on the timestep alone.
 TOGETHER = 0.1
-#: Largest number of intervals that are judged, and least number of files that a prediction takes.
+#: Largest number of intervals that are judged. Least number of files: gains at the shortest
+#: timestep are predicted from those at two or more longer ones.
 MOST_INTERVALS, FEWEST_FILES = 64, 3
-#: Relative tolerance of the ratio of two timesteps.
+#: Tolerance of the ratio of successive timesteps, which must be 2.
 HALVED = 1e-6
 
 
 @final
 class RecordedEngine(Engine):
-    """An engine that stands for the unknown one of the files: it has a method but cannot be run."""
+    """The unknown engine that computed the files, which has one method and cannot be run.
+
+    Parameters
+    ----------
+    order : order of accuracy that the method has or claims
+    single_precision : whether the engine computes in single precision
+    """
 
     name = "recorded"
 
@@ -54,7 +61,7 @@ class RecordedEngine(Engine):
 
     @property
     def version(self) -> str:
-        """An empty string, as the version is unknown."""
+        """The version of the engine: an empty string, as it is unknown."""
         return ""
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:  # noqa: ARG002
@@ -65,18 +72,20 @@ class RecordedEngine(Engine):
 def study_of_files(
     scenario: Scenario, motions: Sequence[JudgedMotion], order: int
 ) -> ConvergenceStudy:
-    """Return recorded motions as the runs of one method.
+    """Return the convergence study whose runs are recorded motions at halved timesteps.
+
+    The motions are compared at the sample times that all of them share.
 
     Parameters
     ----------
-    motions : in any order; sorted by timestep, each has half the timestep of the one before
+    motions : the motions, in any order; the timestep of each is half the next longer one
     order : order of accuracy that the method has or claims
 
     Raises
     ------
     RecordingError
-        If timesteps are unknown or not halved, the motions share fewer than two sample times, or
-        the exact motion is not known at these.
+        If a timestep is unknown, if timesteps are not halved, if the motions share fewer than two
+        sample times, or if the exact motion is not known at all of these.
     """
     by_timestep = sorted(motions, key=lambda one: -_timestep(one))
     timesteps = [_timestep(one) for one in by_timestep]
@@ -105,20 +114,20 @@ def _steps(
     motions: Sequence[Trajectory],
     resolution: float,
 ) -> StepEvidence | None:
-    """Return the evidence of gains from sample to sample, near the exact motion.
+    """Return the evidence of gains from sample to sample, as far as errors are small.
 
-    Only intervals are used that end before the motion with the longest timestep is further than
-    `TOGETHER` from the exact one.
+    An interval is used only if it ends before the attitude of the motion with the longest timestep
+    is off by more than `TOGETHER`.
 
     Parameters
     ----------
     timesteps : timesteps of the files, s, from the longest to the shortest, (J,)
-    motions : motions of the files, in that order, all at the same times
+    motions : motions of the files, in the order of `timesteps`, all at the same times
     resolution : relative resolution of the numbers in the files
 
     Returns
     -------
-    None if there are fewer than `FEWEST_FILES` files, or if no interval is near the exact motion
+    The evidence; None if there are fewer than `FEWEST_FILES` files, or if no interval can be used
     """
     scenario, exact = study.scenario, study.solution.trajectory
     beyond = error_series(scenario, motions[0], exact).first_beyond("attitude", TOGETHER)
@@ -147,7 +156,11 @@ def _steps(
 
 
 def verdict_on_files(study: ConvergenceStudy) -> Verdict:
-    """Return the verdict on files; without evidence, it says how many files a verdict needs."""
+    """Return the verdict on the files' method.
+
+    If it is `unresolved` because the study has no evidence of gains, its text says how many files
+    a verdict takes.
+    """
     verdict = judge(study.records)
     if verdict.verdict != "unresolved" or study.steps is not None:
         return verdict
@@ -159,12 +172,12 @@ def verdict_on_files(study: ConvergenceStudy) -> Verdict:
 
 
 def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
-    """Return the runs and the verdict as the results of one scene, for pages.
+    """Return the runs and the verdict as the results of one scene, from which pages are made.
 
     Parameters
     ----------
-    explained_by : mistakes or other physics that explain the motion, in words; if there are any,
-        the method disagrees with the scene
+    explained_by : sentences on mistakes or other physics that explain the motions' errors. If there
+        are any, the verdict is `disagrees`
     """
     verdict = verdict_on_files(study)
     if explained_by:
@@ -184,7 +197,9 @@ def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
 def _answer_runs(study: ConvergenceStudy, recorded: dict[float, Trajectory]) -> None:
     """Answer each run that the study asks for with the recorded motion of the same timestep.
 
-    `recorded` has the motions of the files by their timesteps, s.
+    Parameters
+    ----------
+    recorded : the motions of the files, by their timesteps, s
     """
     runs = study.runs()
     planned = next(runs, None)
@@ -200,12 +215,12 @@ def _answer_runs(study: ConvergenceStudy, recorded: dict[float, Trajectory]) -> 
 
 
 def _timestep(motion: JudgedMotion) -> float:
-    """Return the timestep of a file, s; if it states none, the time between samples.
+    """Return the timestep of a motion, s; if none is known, the time between samples.
 
     Raises
     ------
     RecordingError
-        If it states none and its samples are not evenly spaced.
+        If no timestep is known and the samples are not evenly spaced.
     """
     if motion.timestep is not None:
         return motion.timestep
@@ -224,7 +239,7 @@ def _shared(motions: Sequence[Trajectory]) -> FloatArray:
     Raises
     ------
     RecordingError
-        If there are fewer than two.
+        If there are fewer than two such times.
     """
     times = motions[0].t
     slack = SAME_TIME * float(times[-1])
@@ -237,6 +252,9 @@ def _shared(motions: Sequence[Trajectory]) -> FloatArray:
 
 
 def _at(motion: Trajectory, times: FloatArray) -> Trajectory:
-    """Return the samples of a motion at given times, s, (S,), which are its own up to rounding."""
+    """Return the samples of a motion at given times, s, (S,), with exactly these times.
+
+    At each of these times the motion must have a sample, but for rounding of the time.
+    """
     slack = SAME_TIME * float(times[-1])
     return replace(motion.at(np.searchsorted(motion.t, times - slack)), t=times)

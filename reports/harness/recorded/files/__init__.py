@@ -1,1 +1,1 @@
-"""Recorded motions as files: formats, columns, units, and the motion that is read from them."""
+"""Files of recorded motions: their formats, columns and units, and the motions read from them."""

@@ -4,18 +4,19 @@ from .....reference import ExactMotion, IntegrationError, Solution
 from .....scenarios import FloatArray, Misfit, Scenario, check_scales
 from .recording import RecordingError
 
-#: Largest time, in windows of the scene. Longer times are in another unit than s, and would take
-#: long to solve; times of one window in ms reach 1000 windows, and are explained.
+#: Largest time, in durations of the scene's window. Later times must be in another unit than s, and
+#: the motion would take long to solve. Times in ms reach 1000 windows, and are recognised as ms.
 MOST_WINDOWS = 2000
 
 
 def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
-    """Return the exact motion at given times, s, (n,).
+    """Return the exact motion of a scene at given times, s, (n,).
 
     Raises
     ------
     RecordingError
-        If the motion is not known up to the last time, or the times are in another unit.
+        If the exact motion is not known at all of these times, or if the last one is later than
+        `MOST_WINDOWS` windows of the scene, so that the times must be in another unit than s.
     """
     windows = float(times[-1]) / scenario.window.duration
     if windows > MOST_WINDOWS:

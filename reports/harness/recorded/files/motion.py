@@ -1,4 +1,4 @@
-"""Converts a recording to a motion, by the frames and the order of components of its columns."""
+"""Converts a recording to a motion in the scene's frames, and computes ω where it is missing."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,11 +18,11 @@ from .....scenarios.rotation import (
 )
 from .recording import Recording, RecordingError
 
-#: Numbers of samples, of which one is chosen, from which ω is computed; and the quantile of errors
-#: by which it is chosen: at either end of the recording errors are larger.
+#: The numbers of attitudes that ω at a sample may be computed from, of which one is chosen. It is
+#: chosen by this quantile of the errors, as the errors at either end of a recording are larger.
 STENCILS, NEARLY_ALL = (5, 7, 9), 0.9
-#: Largest turn between two samples, rad: over the four intervals of a stencil the direction of a
-#: turn must not be ambiguous.
+#: Largest turn between two samples, rad. Over the four intervals of the shortest stencil the body
+#: then turns by less than half a turn, so that the direction of the turn is known.
 FURTHEST = 0.75
 
 QuaternionOrder = Literal["wxyz", "xyzw"]
@@ -34,11 +34,12 @@ class Reading(NamedTuple):
 
     Attributes
     ----------
-    t : s, (n,)
-    q : attitude, body to world, unit quaternions with the scalar first, (n, 4)
-    omega : rad/s, along the axes of `frame`, (n, 3); None if it was not recorded
-    order, frame : the order of the recorded quaternion's components, and the axes of ω
-    spins : of rotors, relative to the body, rad/s, (n, rotors); None if they were not recorded
+    t : times of the samples, s, (n,)
+    q : attitudes, body to world, unit quaternions with the scalar first, (n, 4)
+    omega : ω along the axes of `frame`, rad/s, (n, 3); None if it was not recorded
+    order : the order of the quaternion's components in the recording
+    frame : the axes that `omega` is along
+    spins : spins of the rotors, rad/s, (n, rotors); None if they were not recorded
     """
 
     t: FloatArray
@@ -49,7 +50,7 @@ class Reading(NamedTuple):
     spins: FloatArray | None
 
     def rows(self, rows: slice | NDArray[np.intp]) -> "Reading":
-        """Return the samples of a slice, or with given indices."""
+        """Return the reading with only the samples of a slice, or with given indices, (k,)."""
         omega, spins = (None if one is None else one[rows] for one in (self.omega, self.spins))
         return self._replace(t=self.t[rows], q=self.q[rows], omega=omega, spins=spins)
 
@@ -62,9 +63,9 @@ class Reading(NamedTuple):
 
 
 def reading_of(recording: Recording) -> Reading:
-    """Return a recording as its settings say to read it; by default q as w x y z, ω in body axes.
+    """Return a recording in the reading that its settings state, with quaternions normalised.
 
-    Quaternions are normalised.
+    If it states none, quaternions are w x y z, and ω is along body axes.
     """
     stated = recording.settings
     order: QuaternionOrder = "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"
@@ -76,14 +77,14 @@ def reading_of(recording: Recording) -> Reading:
 
 
 class DerivedOmega(NamedTuple):
-    """ω that is computed from attitudes.
+    """The ω of n samples that is computed from attitudes.
 
     Attributes
     ----------
-    omega_body : rad/s, body axes, (n, 3)
-    error : estimated error of nearly all samples, rad/s: the difference from ω computed from more
-        samples
-    reach : how many samples on each side ω is computed from
+    omega_body : ω, rad/s, body axes, (n, 3)
+    error : estimated bound on the error of nearly all samples, rad/s, from the difference to an ω
+        that is computed from two more attitudes
+    reach : the number of samples on each side of a sample from which its ω is computed
     """
 
     omega_body: FloatArray
@@ -97,10 +98,12 @@ class RecordedMotion:
 
     Attributes
     ----------
-    trajectory : at the file's own times; a com or velocity that was not recorded follows from
-        attitude and ω along axes that a constraint holds, and is the exact one along others
-    derived : ω as the derivative of the attitudes; None if it was recorded
-    has_spins : whether spins were recorded; if not, they follow from ω by what hinges conserve
+    trajectory : the motion at the times of the recording. A com or velocity that was not recorded
+        is computed from attitude and ω along axes that a constraint holds, and is taken from the
+        exact motion along the others
+    derived : ω as computed from the attitudes; None if ω was recorded
+    has_spins : whether spins were recorded. If not, they are computed from ω and from the angular
+        momenta or spins that the rotors' hinges conserve
     """
 
     trajectory: Trajectory
@@ -116,17 +119,19 @@ class RecordedMotion:
 def recorded_motion(
     scenario: Scenario, recording: Recording, reading: Reading, exact: Trajectory
 ) -> RecordedMotion:
-    """Return a recording as a motion in the scene's frames, with what was not recorded added.
+    """Return a recording as a motion in the scene's frames, with missing quantities computed.
 
     Parameters
     ----------
-    exact : the exact motion at the recording's times
+    recording : the recording, from which com and velocity are taken
+    reading : times, attitudes, ω and spins as they are read
+    exact : the exact motion at the times of the reading
 
     Raises
     ------
     RecordingError
-        If attitudes are too far apart to compute ω from them, or the number of recorded spins is
-        not that of the scene's rotors.
+        If ω was not recorded and the attitudes are too far apart to compute it, or if the number of
+        recorded spins is not that of the scene's rotors.
     """
     arrays, t, q = recording.arrays, reading.t, reading.q
     R_world_body, constraint = matrices(q), scenario.constraint
@@ -154,15 +159,20 @@ def recorded_motion(
 
 
 def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> DerivedOmega:
-    """Return ω as the derivative of attitudes, (n, 4), at times t, s, (n,).
+    """Return ω as the derivative of attitudes, with an estimate of its error.
 
-    Longer stencils have smaller errors if attitudes have enough digits. The shortest is used whose
-    error is at most twice the smallest.
+    ω is computed from 5, 7 or 9 attitudes around each sample: the fewest whose error is at most
+    twice the smallest. More of them have a smaller error if attitudes have enough digits.
+
+    Parameters
+    ----------
+    t : times of the attitudes, s, (n,)
+    q_world_body_wxyz : attitudes, scalar first, (n, 4)
 
     Raises
     ------
     RecordingError
-        If the body turns too far between two samples.
+        If the body turns by more than `FURTHEST` between two samples.
     """
     turns = norms(rotation_vectors(q_world_body_wxyz[:-1], q_world_body_wxyz[1:]))
     if turns.max(initial=0.0) > FURTHEST:
@@ -180,9 +190,10 @@ def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> DerivedO
 
 
 def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> FloatArray:
-    """Return ω in body axes, rad/s, (n, 3), by polynomials through `samples` attitudes at a time.
+    """Return ω, rad/s, body axes, (n, 3), as 2 q⁻¹ q' from attitudes.
 
-    ω is 2 q⁻¹ q', with weights of q' by B. Fornberg, Math. Comp. 51 (1988) 699.
+    The derivative q' is that of the polynomial through the attitudes around each sample, as many
+    as `samples`. Its weights are those of B. Fornberg, Math. Comp. 51 (1988) 699.
     """
     # q and -q are one attitude.
     signs = np.sign(np.sum(q_world_body_wxyz[:-1] * q_world_body_wxyz[1:], axis=1))
@@ -196,16 +207,16 @@ def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> Floa
 
 
 def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> FloatArray:
-    """Return the derivative, at each sample, of the Lagrange polynomial of stencil point j, (n,).
+    """Return the derivative at each sample of the Lagrange polynomial of one stencil point, 1/s.
 
-    It is in 1/s. The weight of the sample itself is not needed, as differences from it are added
-    up.
+    The result, (n,), is the weight of that point in the derivative. It is 0 where the point is the
+    sample itself: the caller adds up differences from the sample, and needs no such weight.
 
     Parameters
     ----------
     first : index of the first point of each sample's stencil, (n,)
-    points : how many points each stencil has
-    j : the point's number in each stencil, from 0
+    points : the number of points of each stencil
+    j : the number of the point in each stencil, from 0
     """
     own = np.arange(len(t)) - first
     weight = np.where(own == j, 0.0, 1.0)

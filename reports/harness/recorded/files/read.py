@@ -1,7 +1,7 @@
 """Reads a recorded motion from a file: CSV, JSON lines, npz or Parquet.
 
-Files are not trusted and may be of any size. They are read in pieces, up to the largest number of
-samples, and nothing in them is executed.
+Files are not trusted: no more is read of them than the largest motion takes, and nothing in them is
+executed.
 """
 
 import io
@@ -29,9 +29,9 @@ from .text_formats import (
     setting,
 )
 
-#: Number of bytes that are read of an array's header. An array of numbers has one of 128 bytes.
+#: The most bytes of an array's header that are read; the header of an array of numbers has 128.
 LONGEST_HEADER = 1 << 10
-#: Errors that damaged or encrypted archives raise, and damaged headers.
+#: Errors that damaged or encrypted archives raise; and errors that malformed headers raise.
 DAMAGED = (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, RuntimeError)
 MALFORMED = (ValueError, TypeError, tokenize.TokenError, SyntaxError)
 
@@ -39,7 +39,8 @@ MALFORMED = (ValueError, TypeError, tokenize.TokenError, SyntaxError)
 def read_npz(path: Path) -> Recording:
     """Read a motion from an npz archive: arrays with the names of `QUANTITIES`, and settings.
 
-    Arrays with other names are ignored. Whether all required arrays are there is not checked.
+    A setting is an array of shape () with one of the names in `SETTINGS`. Other arrays are ignored.
+    Whether all required arrays are there is not checked.
 
     Raises
     ------
@@ -55,7 +56,7 @@ def read_npz(path: Path) -> Recording:
         with zipfile.ZipFile(path) as archive:
             for entry in archive.namelist():
                 name = entry.removesuffix(".npy")
-                # 'omega' names ω itself, or the setting of the axes that it is along.
+                # An array 'omega' of shape () is not ω, but the setting that states its axes.
                 if name in SETTINGS and _header(archive, entry)[0] == ():
                     value = str(_array(archive, entry, ())[()])
                     settings |= setting(name, value, None)
@@ -78,7 +79,7 @@ def read_npz(path: Path) -> Recording:
 
 
 def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Return the shape and the type of the array in an entry, without unpacking the array."""
+    """Return the shape and type of the array in an archive's entry, without unpacking the array."""
     with archive.open(entry) as packed:
         file = io.BytesIO(packed.read(LONGEST_HEADER))
     version = npy.read_magic(file)
@@ -88,16 +89,17 @@ def _header(archive: zipfile.ZipFile, entry: str) -> tuple[tuple[int, ...], np.d
 
 
 def _array(archive: zipfile.ZipFile, entry: str, wanted: tuple[int | None, ...]) -> Any:
-    """Return the array in an entry, whose type and shape are checked before it is unpacked.
+    """Return the array in an archive's entry; its type and shape are checked before it is unpacked.
 
     Parameters
     ----------
-    wanted : the shape that the array must have; None stands for an axis of any length
+    wanted : the shape that the array must have; None stands for an axis of any length. An array of
+        shape () may hold a text
 
     Raises
     ------
     RecordingError
-        If the array has another shape, or does not hold numbers, or is too long.
+        If the array has another shape or type, or too many rows.
     """
     shape, dtype = _header(archive, entry)
     is_text = dtype.kind == "U" and dtype.itemsize <= 4 * LONGEST_LINE
@@ -124,7 +126,7 @@ def read_parquet(path: Path) -> Recording:
         If the file does not hold such a table, it has too many rows, the value of a setting is not
         permitted, or pyarrow is not installed.
     ColumnError
-        As for `columns_of`.
+        If the headings do not name the columns of a motion (see `columns_of`).
     """
     try:
         import pyarrow
@@ -171,12 +173,12 @@ READERS = {
 
 
 def read_recording(path: Path) -> Recording:
-    """Read a recorded motion, in the format that the ending of the file's name states.
+    """Read a recorded motion from a file, whose format is told by the ending of its name.
 
     Raises
     ------
     RecordingError
-        If the file cannot be read, or does not hold a valid motion.
+        If the file cannot be read, or does not hold a valid motion (see `check_motion`).
     """
     where = printable(str(path))
     reader = READERS.get(path.suffix.lower())

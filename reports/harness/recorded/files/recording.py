@@ -1,4 +1,4 @@
-"""A recorded motion: the columns of its file, their units, and the checks of its samples."""
+"""Recorded motions: the columns of their files, the units of these, and checks of the samples."""
 
 import re
 from collections.abc import Sequence
@@ -25,12 +25,12 @@ class Quantity:
 
     Attributes
     ----------
-    name : name, in npz and JSON lines, of the array of all its components
-    columns : the names of its components in a table; empty for spins, which are named `spin1`,
-        `spin2`, … for the rotors
-    written : another name of the quantity; except for times it is the name in `spincheck export
-        --truth`, to which the components' letters are added
-    units : the units it may be in, that of SI first, each with its factor to SI
+    name : name, in npz archives and JSON lines, of the array with all components
+    columns : names of the columns of a table that hold the components; empty for spins, whose
+        columns are `spin1`, `spin2`, …, one for each rotor
+    written : another name that is accepted; except for times it is the name that `spincheck export
+        --truth` writes. Columns of components add `_` and the component's letter to it
+    units : the units that the quantity may be in, SI first, each with its factor to SI
     """
 
     name: str
@@ -39,11 +39,15 @@ class Quantity:
     units: dict[str, float]
 
     def component(self, column: str) -> int | None:
-        """Return the index of the component that a column holds; None if it holds none.
+        """Return the index of the quantity's component that a column holds, from 0.
 
         Parameters
         ----------
         column : name of a column, without its unit
+
+        Returns
+        -------
+        None if the column holds another quantity, or none
         """
         if not self.columns:
             numbered = _NUMBERED.fullmatch(column)
@@ -65,7 +69,7 @@ QUANTITIES = (
     Quantity("spins", (), "rotors_spin", RATES),
 )
 REQUIRED = ("t", "q")
-#: Message that is shown if columns are missing.
+#: Example of a heading line, shown where columns are missing.
 HEADINGS = "t,qw,qx,qy,qz,wx,wy,wz"
 _NUMBERED = re.compile(r"(spin|rotors_spin_)(?P<number>[1-9][0-9]{0,3})")
 _HEAD = re.compile(r"^\s*(?P<name>[A-Za-z_0-9]+)\s*(?:[\[(]\s*(?P<unit>[^\])]*?)\s*[\])])?\s*$")
@@ -77,7 +81,7 @@ class ColumnError(ValueError):
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: quantity, index of the component, and factor from its unit to SI."""
+    """A column of a table: its quantity, the index of the component, and the factor to SI units."""
 
     quantity: Quantity
     component: int
@@ -85,14 +89,15 @@ class Column:
 
 
 def columns_of(heads: Sequence[str]) -> list[Column | None]:
-    """Return the columns of a table by their headings; None for headings without meaning.
+    """Return the columns of a table, one for each heading; None for a heading of no known quantity.
 
     A unit may follow the name in brackets, ``wx [deg/s]``; without one the unit is SI.
 
     Raises
     ------
     ColumnError
-        If a unit is unknown, a quantity is doubled or incomplete, or time or attitude is missing.
+        If a unit is unknown, two columns hold the same component, some components of a quantity are
+        missing, or time or attitude is missing.
     """
     columns = [_column(head) for head in heads]
     for quantity in QUANTITIES:
@@ -111,7 +116,11 @@ def columns_of(heads: Sequence[str]) -> list[Column | None]:
 
 
 def factor_of(quantity: Quantity, unit: str | None) -> float:
-    """Return the factor from a unit of a quantity to SI units; None means SI units.
+    """Return the factor from a unit of a quantity to its SI unit.
+
+    Parameters
+    ----------
+    unit : name of the unit; None means the SI unit
 
     Raises
     ------
@@ -127,7 +136,13 @@ def factor_of(quantity: Quantity, unit: str | None) -> float:
 
 
 def _column(head: str) -> Column | None:
-    """Return the column that a heading names, or None; raise `ColumnError` for an unknown unit."""
+    """Return the column that a heading names; None if it names no known quantity.
+
+    Raises
+    ------
+    ColumnError
+        If the unit is unknown.
+    """
     match = _HEAD.match(head)
     if match is None:
         return None
@@ -150,20 +165,21 @@ def _names(quantity: Quantity) -> str:
     return ", ".join(f"'{name}'" for name in quantity.columns) or "'spin1', 'spin2', …"
 
 
-#: Tolerance of a quaternion's norm: numbers printed with four digits pass.
+#: How far a quaternion's norm may be from 1, so that numbers printed with four digits pass.
 UNIT_SLACK = 1e-3
-#: Relative tolerance of multiples of a unit, as numbers may have been converted from another unit;
-#: and tolerance of equal numbers, relative to the largest.
+#: Relative tolerance with which numbers are multiples of a unit, as they may have been converted
+#: from other physical units; and that with which numbers are equal, relative to the largest.
 MULTIPLE, EQUAL = 1e-6, 1e-9
-#: Largest unit that components of quaternions may be rounded to, as coarser ones do not tell
-#: attitudes apart; and the least number of different values by which rounding is recognised.
+#: Largest unit that components of quaternions may be rounded to: a coarser one does not tell
+#: attitudes apart. Least number of different values by which rounding is recognised.
 COARSEST, FEWEST_VALUES = 0.1, 8
-#: Factor by which the norm may change from one sample to the next, if no step normalises it.
+#: Largest factor by which the norm may change from one sample to the next. It drifts if a method
+#: does not normalise quaternions.
 NORM_GROWS = 1.5
 
 
 class RecordingError(ValueError):
-    """A file that holds no motion that can be judged: one sentence with file, place and remedy."""
+    """The error of a file whose motion cannot be judged; its message is one sentence."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,10 +189,10 @@ class Recording:
     Attributes
     ----------
     path : the file
-    arrays : t (n,), q (n, 4) and, where the file has them, omega, com, velocity, (n, 3),
-        and spins, (n, rotors)
-    settings : what the file states about itself, by the names in `SETTINGS`
-    ignored : headings of columns that have no meaning here
+    arrays : the quantities by `Quantity.name`: t, (n,), and q, (n, 4); if the file has them, also
+        omega, com and velocity, (n, 3) each, and spins, (n, rotors)
+    settings : what the file states about itself: values by the names in `SETTINGS`
+    ignored : headings of columns that name no known quantity
     """
 
     path: Path
@@ -188,8 +204,8 @@ class Recording:
     def is_single(self) -> bool:
         """Whether the motion was computed in single precision.
 
-        If the file does not state the precision, quaternions that are exact in single precision
-        show it.
+        If the file does not state the precision, this is assumed of a motion whose quaternions are
+        exact in single precision, unless all their components are whole numbers.
         """
         q = self.arrays["q"]
         has_24_bits = np.array_equal(q, q.astype(np.float32)) and not np.array_equal(q, np.rint(q))
@@ -197,7 +213,7 @@ class Recording:
 
     @property
     def drift_off_the_sphere(self) -> str:
-        """A sentence on how the quaternions' norm drifts; empty if it does not."""
+        """A sentence on how the quaternions' norm drifts away from 1; empty if it does not."""
         t, norms = self.arrays["t"], np.linalg.norm(self.arrays["q"], axis=1)
         if (np.abs(norms - 1) <= slack_of(self.arrays["q"])).all():
             return ""
@@ -214,23 +230,27 @@ class Recording:
         columns = [self.arrays[name].ravel() for name in ("q", "omega") if name in self.arrays]
         numbers = np.concatenate(columns)
         if np.array_equal(numbers, np.rint(numbers)):
-            # Whole numbers were not rounded.
+            # Whole numbers are taken to be exact.
             return eps
         digits = max(map(digits_of, numbers))
         return max(eps, 10.0 ** (1 - digits))
 
 
 def digits_of(value: float) -> int:
-    """Return the number of significant decimal digits that print a number exactly."""
+    """Return how many significant decimal digits are needed to represent a double uniquely."""
     mantissa = repr(float(abs(value))).partition("e")[0]
     return len(mantissa.replace(".", "").strip("0"))
 
 
 def unit_of(numbers: FloatArray) -> float:
-    """Return the unit, to six digits, that numbers are rounded to; 0 if none is found.
+    """Return the unit of which all numbers are multiples, to six digits; 0 if none is found.
 
-    It is the smallest difference between two absolute values, or between one and 0, if all numbers
-    are multiples of this difference.
+    The unit that is tried is the smallest difference between two absolute values, or between one
+    and 0.
+
+    Parameters
+    ----------
+    numbers : of any shape
     """
     sizes = np.unique(np.abs(numbers))
     distances = np.diff(sizes, prepend=0.0)
@@ -244,16 +264,20 @@ def unit_of(numbers: FloatArray) -> float:
 
 
 def slack_of(q: FloatArray) -> float:
-    """Return how far norms of quaternions, (n, 4), may be from 1 by rounding of the components."""
+    """Return how far the norms of quaternions, (n, 4), may be from 1 if components are rounded."""
     unit, is_rounded = unit_of(q), len(np.unique(q)) >= FEWEST_VALUES
     return max(UNIT_SLACK, unit) if is_rounded and unit <= COARSEST else UNIT_SLACK
 
 
 def check_motion(arrays: dict[str, FloatArray]) -> None:
-    """Check that arrays are finite and of equal length, that times increase, and norms are near 1.
+    """Check that arrays hold a motion: finite numbers, increasing times, and quaternions.
 
-    There must be two samples or more, and no negative time. The norms of quaternions may drift
-    slowly.
+    All arrays must have the same length, two samples or more. No time may be negative. The norm of
+    the quaternions must be 1 at first, but may then drift slowly.
+
+    Parameters
+    ----------
+    arrays : the quantities by name, as in `Recording.arrays`
 
     Raises
     ------
@@ -294,5 +318,5 @@ def check_motion(arrays: dict[str, FloatArray]) -> None:
 
 
 def _first(wrong: NDArray[np.bool_]) -> int:
-    """Return the number of the first row, counted from 1, in which any entry is true."""
+    """Return the number of the first row, counted from 1, that has an entry that is true."""
     return int(np.argmax(wrong.reshape(len(wrong), -1).any(axis=1))) + 1

@@ -36,12 +36,12 @@ class Table:
 
     Attributes
     ----------
-    ignored : headings that have no meaning here
+    ignored : headings that name no known quantity
 
     Raises
     ------
     ColumnError
-        As for `columns_of`.
+        If the headings do not name the columns of a motion (see `columns_of`).
     """
 
     def __init__(self, heads: Sequence[str]) -> None:
@@ -51,18 +51,18 @@ class Table:
         self._rows: list[list[float]] = []
 
     def add(self, cells: Sequence[Any], where: str) -> None:
-        """Add a row.
+        """Add a row to the table; cells of ignored columns may be anything.
 
         Parameters
         ----------
-        cells : one for each heading
+        cells : the cells, one for each heading
         where : place of the row in the file, for messages
 
         Raises
         ------
         RecordingError
-            If the row has another number of cells than the table, a cell is not a finite number,
-            or there are too many rows.
+            If the numbers of cells and headings differ, a cell is not a finite number, or there are
+            too many rows.
         """
         if len(cells) != len(self._columns):
             wanted = f"must have {len(self._columns)} columns"
@@ -72,7 +72,7 @@ class Table:
         check_count(len(self._rows))
 
     def arrays(self) -> dict[str, FloatArray]:
-        """Return the quantities by their names, SI units, (n, components), and the times, (n,)."""
+        """Return the quantities by name, in SI units: the times, (n,), others (n, components)."""
         used = [column for column in self._columns if column is not None]
         numbers = np.array(self._rows, dtype=float).reshape(-1, len(used))
         arrays = {}
@@ -88,11 +88,12 @@ class Table:
 
 
 def setting(name: str, value: str, line: int | None) -> dict[str, str]:
-    """Return a dictionary of a setting and its value, checked; empty if the name is no setting.
+    """Return a dictionary with one setting and its value, or an empty one if there is no such name.
 
     Parameters
     ----------
-    line : number of the line that states it, for messages; None if there are no lines
+    name, value : the setting's name and its value, as text
+    line : number of the line that states the setting, for messages; None if the file has no lines
 
     Raises
     ------
@@ -116,7 +117,17 @@ def setting(name: str, value: str, line: int | None) -> dict[str, str]:
 
 
 def _number(cell: Any, where: str) -> float:
-    """Return a cell as a finite number; raise `RecordingError`, which names `where`, for others."""
+    """Return a cell as a number.
+
+    Parameters
+    ----------
+    where : place of the cell in the file, for messages
+
+    Raises
+    ------
+    RecordingError
+        If the cell is no number, or one that is not finite or exceeds `_LONGEST` in size.
+    """
     with suppress(ValueError, TypeError, OverflowError):
         value = float(cell)
         if abs(value) < _LONGEST and not isinstance(cell, bool):
@@ -150,15 +161,18 @@ def _lines(file: IO[str]) -> Iterator[tuple[int, str]]:
 
 
 def read_csv(path: Path) -> Recording:
-    """Read a motion from a table whose first line names its columns, below comments with settings.
+    """Read a motion from a table in text, whose first line names the columns.
+
+    Lines above it that begin with # may state settings, such as ``# timestep = 0.001``. Cells are
+    separated by commas, semicolons, tabs or spaces.
 
     Raises
     ------
     RecordingError
-        If the file does not hold such a table, a line is too long or there are too many, or the
+        If the file does not hold such a table, a line is too long, there are too many lines, or the
         value of a setting is not permitted.
     ColumnError
-        As for `columns_of`.
+        If the headings do not name the columns of a motion (see `columns_of`).
     UnicodeDecodeError
         If the file is not text in UTF-8.
     """
@@ -187,15 +201,17 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 
 def read_json_lines(path: Path) -> Recording:
-    """Read a motion from JSON lines: one object a sample, below objects with settings.
+    """Read a motion from JSON lines, each with one object: first settings, if any, then samples.
+
+    The first object with a key `t` is the first sample.
 
     Raises
     ------
     RecordingError
-        If the file does not hold such lines, a line is too long or there are too many, or the value
-        of a setting is not permitted.
+        If the file does not hold such lines, a line is too long, there are too many lines, or the
+        value of a setting is not permitted.
     ColumnError
-        As for `columns_of`.
+        If the keys do not name the columns of a motion (see `columns_of`).
     UnicodeDecodeError
         If the file is not text in UTF-8.
     """
@@ -224,7 +240,17 @@ def read_json_lines(path: Path) -> Recording:
 
 
 def _object(line: str, number: int) -> dict[str, Any]:
-    """Return the JSON object in a line, or raise `RecordingError` with its number."""
+    """Return the JSON object in a line.
+
+    Parameters
+    ----------
+    number : number of the line, for messages
+
+    Raises
+    ------
+    RecordingError
+        If the line holds no JSON object.
+    """
     with suppress(ValueError, RecursionError):
         record = json.loads(line)
         if isinstance(record, dict):
@@ -233,10 +259,14 @@ def _object(line: str, number: int) -> dict[str, Any]:
 
 
 def _flat(record: dict[str, Any], number: int) -> Iterator[tuple[str, Any]]:
-    """Yield the keys of a record with their values.
+    """Yield the columns that a record stands for, each with its value.
 
-    A list becomes several values, whose keys are the names of columns of a table. Lists with other
-    keys than those of quantities are left out.
+    A list of a quantity's components becomes one column for each component. Lists of anything else
+    are left out.
+
+    Parameters
+    ----------
+    number : number of the record's line, for messages
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""Changes of the equations, of sensors and of methods, fitted to a recorded motion."""
+"""Explains recorded motions by other equations, sensor errors or integrators, fitted to samples."""

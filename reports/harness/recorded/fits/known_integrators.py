@@ -1,4 +1,4 @@
-"""Which known integrator computed a recorded motion, and with which timestep."""
+"""Recognises the known integrator that computed a recorded motion, and its timestep."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,22 +14,21 @@ from ..files.recording import MULTIPLE
 from ..samples.intervals import Intervals
 from ..samples.mistakes import FITS
 
-#: The most intervals in which known integrators are followed, at the stated timestep and at guessed
-#: ones.
+#: The most intervals in which known integrators take steps: with the stated timestep, and with
+#: guessed ones.
 FEW, GUESSED = 12, 4
-#: Numbers of steps from sample to sample that are tried where the timestep may be another than the
-#: stated one.
+#: Numbers of steps from one sample to the next from which timesteps are guessed.
 STEPS = (1, 2, 4, 5, 8, 10, 16, 20, 25, 40, 50, 100)
 
 
 @dataclass(frozen=True, eq=False)
 class KnownIntegrators:
-    """The intervals of a motion, and the steps that known integrators take in them.
+    """The comparison of a recorded motion with the steps of known integrators.
 
     Attributes
     ----------
-    intervals : of the motion
-    stated : the timestep that the motion was computed with, s; None if unknown
+    intervals : the intervals between the samples of the motion
+    stated : the stated timestep of the motion, s; None if unknown
     """
 
     intervals: Intervals
@@ -42,23 +41,23 @@ class KnownIntegrators:
 
     @cached_property
     def each(self) -> tuple[Intervals, ...]:
-        """The intervals, to be followed with each known integrator in turn at the stated timestep.
+        """Some of the intervals, once for each known integrator that takes steps in them.
 
-        If no timestep is stated, the median time between samples is used.
+        The steps have the stated timestep, or the median time between samples if none is stated.
         """
         return self._steps(self.stated or self.span, FEW)
 
     def _steps(self, timestep: float, count: int) -> tuple[Intervals, ...]:
-        """Return some of the intervals, to be followed with each known integrator in turn.
+        """Return some of the intervals, once for each known integrator that takes steps in them.
 
         Parameters
         ----------
         timestep : timestep of the integrators, s
-        count : the most intervals
+        count : the largest number of intervals
 
         Returns
         -------
-        An empty tuple if the intervals are not multiples of the timestep
+        An empty tuple if the lengths of the intervals are not multiples of the timestep
         """
         data = self.intervals.spread(count)
         multiples = data.spans / timestep
@@ -70,8 +69,8 @@ class KnownIntegrators:
     def _integrators(self) -> list[Integrator]:
         """The known integrators that may have computed the motion.
 
-        One that keeps the length of I ω is among them only if the scene's torques keep it, too: it
-        would undo drag, and so explain a motion in which drag is missing.
+        An integrator that keeps the length of I ω is among them only if the torques keep it, too.
+        Otherwise it would cancel drag, and so explain a motion in which drag is missing.
         """
         equations, states = self.intervals.base, self.intervals.starts
         kept = np.tile(equations.kept, (len(states), 1))
@@ -84,11 +83,11 @@ class KnownIntegrators:
         return [one for one in KNOWN if is_kept or not one.keeps_length]
 
     def that_made(self, hypothesis: Hypothesis) -> str:
-        """Return in words the known integrator that computed the motion, if a hypothesis holds.
+        """Return in words the known integrator that computed the motion with a hypothesis.
 
-        Its steps at the stated timestep, with the equations of the hypothesis, lead from sample to
-        sample. The text is empty if there is no such integrator, or if the exact flow, too, leads
-        from sample to sample within noise.
+        With the stated timestep, and with the equations of the hypothesis, its steps lead from
+        sample to sample within noise. The text is empty if there is no such integrator, or if the
+        exact flow of these equations leads from sample to sample within noise, too.
         """
         exactly = self.left_exactly(hypothesis)
         return self._in_words(self._best(self.each, hypothesis, exactly, noise=1.0))
@@ -97,10 +96,10 @@ class KnownIntegrators:
         """Return in words the known integrator that computed the motion with another timestep.
 
         The timesteps tried are the median time between samples, divided by `STEPS`. The text is
-        empty if none is found.
+        empty if no integrator is found.
 
-        Of the many integrators and timesteps that are tried, some have residuals as small as noise
-        by chance: the right one must have far smaller residuals.
+        Of the many integrators and timesteps, some have residuals as small as noise by chance. So
+        the residuals must be far smaller than those of the exact flow.
         """
         exactly = self.left_exactly(hypothesis)
         each = (self._steps(self.span / n, GUESSED) for n in STEPS)
@@ -108,7 +107,10 @@ class KnownIntegrators:
         return self._in_words(next(filter(None, every), None))
 
     def left_exactly(self, hypothesis: Hypothesis) -> float:
-        """Return the mean square residual of a hypothesis' exact flow, in variances of noise."""
+        """Return the mean square of the residuals with a hypothesis' exact flow.
+
+        It is in units of the variance of noise.
+        """
         return mean_square(
             self.intervals.spread(FEW).made_by(EXACT, 0.0).deviations(hypothesis[None])
         )
@@ -119,27 +121,27 @@ class KnownIntegrators:
     ) -> Intervals | None:
         """Return the intervals with the integrator that computed the motion; None if none did.
 
-        It is also None if the exact flow explains the motion as well.
+        None is also returned if the exact flow explains the motion, too.
 
         Parameters
         ----------
-        each : the intervals with each integrator
-        exactly : the mean square residual of the hypothesis' exact flow, in variances of noise
-        noise : the mean square up to which an integrator's residuals count as noise, in variances
-            of noise
+        each : the intervals, once for each integrator
+        exactly : mean square of the residuals with the exact flow, in units of the noise's variance
+        noise : the mean square up to which an integrator's residuals count as noise, in the same
+            units
         """
         if not each or exactly <= 1:
             return None
         squares = [mean_square(one.deviations(hypothesis[None])) for one in each]
         if min(squares) > max(noise, SAME**2 * exactly):
             return None
-        # Of integrators whose residuals are within noise the first is named, else the one with the
-        # smallest residuals.
+        # The first integrator whose residuals are noise is named. If there is none, it is the one
+        # with the smallest residuals.
         return each[
             next((k for k, one in enumerate(squares) if one <= noise), int(np.argmin(squares)))
         ]
 
     @staticmethod
     def _in_words(steps: Intervals | None) -> str:
-        """Return in words the integrator and timestep of intervals; empty if there are none."""
+        """Return in words the integrator and timestep of intervals; an empty text for None."""
         return f"what {steps.integrator.name} at {steps.timestep:.4g} s makes" if steps else ""

@@ -1,11 +1,12 @@
-"""The leading term of the error of methods of a given order, whichever they are.
+"""The leading term of the error of an unknown one-step method, of which only the order is known.
 
-In a step h the error of a one-step method of order p is h^(p+1) times a combination of the
+In a step h the leading error of a method of order p is h^(p+1) times a combination of the
 elementary differentials of order p + 1, one for each rooted tree with p + 1 vertices (Hairer,
 Lubich & Wanner, Geometric Numerical Integration, §III.1). A method that treats attitude and ω
-differently, such as semi-implicit Euler, has one for each way to colour the vertices (§III.2). Over
-many steps these errors add up, carried along by the exact flow. The coefficients of no method are
-larger than about one: explicit Euler's is ½, and those of higher orders are smaller (§III.1.3).
+differently, such as semi-implicit Euler, has one for each way to colour the vertices of these trees
+(§III.2). Over many steps these errors add up, carried along by the exact flow. The coefficients of
+the combination are about one at most: explicit Euler's is ½, and those of methods of higher orders
+are smaller (§III.1.3).
 """
 
 from collections.abc import Sequence
@@ -23,17 +24,19 @@ from .....scenarios import FloatArray
 from .....scenarios.rotation import cross, norms, turning_of
 from ..samples.intervals import Intervals
 
-#: Order up to which vertices are coloured: for higher orders there would be too many trees.
+#: Order up to which vertices of trees are coloured: for higher orders there are too many trees.
 COLOURED = 2
-#: Nodes of the quadrature along an interval; relative differences of states with which derivatives
-#: are taken, and with which errors are carried along.
+#: Number of nodes of the quadrature along an interval. Differences of states, relative to their
+#: sizes, by which derivatives are taken, and by which errors are carried along the exact flow.
 NODES, SMALL, CARRIED = 3, 1e-3, 1e-4
 #: Largest coefficient of an elementary differential.
 LARGEST = 2.0
-#: Colours of vertices: both the attitude's equation and Euler's, either of them alone, and from
-#: `TERMS` on one term of Euler's each.
+#: Colours of the vertices of rooted trees. A vertex stands for the right-hand sides of both the
+#: attitude's equation and Euler's equations, or of either alone. With a colour from `TERMS` on it
+#: stands for one term of Euler's equations.
 BOTH, ATTITUDE, OMEGA, TERMS = 0, 1, 2, 3
-#: Names of the coefficients of each term of the equations, which a method may treat differently.
+#: For each term of Euler's equations, which a method may treat by itself: the names in
+#: `OtherEquations` of its coefficients.
 _TERMS = (
     ("gyroscopic", "kept"),
     ("pull",),
@@ -42,28 +45,29 @@ _TERMS = (
     ("attitude_torque", "spring", "gravity_gradient"),
 )
 
-#: A rooted tree: the colour of its root, and the trees at its branches.
+#: A rooted tree: the colour of its root, and the subtrees that are attached to the root.
 Tree = tuple[int, tuple["Tree", ...]]
 
 
 def left_by_methods(
     data: Intervals, orders: Sequence[int], timestep: float | None = None
 ) -> FloatArray:
-    """Return what the leading errors of methods of given orders leave of the residuals, (6 S,).
+    """Return the residuals that remain after the leading errors of methods are fitted, (6 S,).
 
-    It is in units of `data.scale`, for S intervals. The coefficients of elementary differentials,
-    up to `LARGEST`, are fitted by least squares.
+    They are in units of `data.scale`, for S intervals. The errors are combinations of elementary
+    differentials. Their coefficients, at most `LARGEST` in size, are fitted by least squares.
 
     Parameters
     ----------
-    timestep : timestep of the method, s; the time between samples if None
+    orders : orders of accuracy of the methods
+    timestep : timestep of the methods, s; the time between samples if None
     """
     residuals, errors = (
         data.deviations(data.base[None]).ravel(),
         leading_errors(data, orders, timestep),
     )
     columns = (errors / data.scale).reshape(len(errors), -1).T
-    # Columns are scaled to one, so that none is too small to count.
+    # Columns are scaled to length 1, so that none is too small to count.
     units = np.linalg.norm(columns, axis=0)
     columns = columns[:, units > 0] / units[units > 0]
     best = lsq_linear(columns, residuals, (-LARGEST * units[units > 0], LARGEST * units[units > 0]))
@@ -73,22 +77,24 @@ def left_by_methods(
 def leading_errors(
     data: Intervals, orders: Sequence[int], timestep: float | None = None
 ) -> FloatArray:
-    """Return the error that each elementary differential makes, rad and rad/s, (k, S, 6).
+    """Return the errors at the ends of S intervals by each elementary differential, (k, S, 6).
 
-    These are the errors at the ends of S intervals, by each of the k elementary differentials of
-    methods of given orders with a coefficient of one. If ω was computed from attitudes, its own
-    errors at both ends of an interval are included.
+    They are errors of attitude, rad, and ω, rad/s, that grow from 0 at the start of an interval,
+    by each of the k differentials with a coefficient of one. If ω was computed from attitudes, its
+    errors at the start and at the end of an interval are included.
 
     Parameters
     ----------
-    timestep : timestep of the method, s; the time between samples if None
+    orders : orders of accuracy of the methods
+    timestep : timestep of the methods, s; the time between samples if None
     """
     steps = np.minimum(timestep or np.inf, data.spans)
     equations = data.base
     rate = max(float(norms(data.starts[:, 4:]).max()), float(equations.rate))
     units = np.array([1.0, rate]).repeat([4, 3])
     terms = _terms(equations)
-    # In units in which the rate is one, the size of the error is a power of the angle of a step.
+    # In units in which `rate` is 1, the error is a power of the timestep. It is divided by
+    # `CARRIED`, by which differentials are multiplied before the flow carries them along.
     every, sizes = [], []
     for order in orders:
         more = trees(order + 1, _colours(order, len(terms)))
@@ -107,7 +113,7 @@ def leading_errors(
             carried = apart(ends, follow(equations, moved, remaining)[:, 0])
             error += weight * data.spans * rate * size * carried
     # An ω that is computed from attitudes is the rate at which they turn, errors included. It
-    # differs from the ω of the method by the attitude's part of the differential.
+    # differs from the method's ω by the part of the differential that acts on the attitude.
     if data.is_derived:
         ends = follow(equations, data.starts, data.spans)[:, 0]
         first, last = (
@@ -123,7 +129,7 @@ def leading_errors(
 
 
 def _terms(equations: OtherEquations) -> list[OtherEquations]:
-    """Return, for each nonzero term of Euler's equations, equations that have this term alone."""
+    """Return, for each nonzero term of Euler's equations, equations of motion with it alone."""
     every = {name: 0 * getattr(equations, name) for names in _TERMS for name in names}
     acting = [[n for n in names if getattr(equations, n).any()] for names in _TERMS]
     return [
@@ -134,11 +140,11 @@ def _terms(equations: OtherEquations) -> list[OtherEquations]:
 
 
 def _colours(order: int, terms: int) -> Sequence[int]:
-    """Return the colours of vertices for methods of an order.
+    """Return the colours that vertices of trees may have for methods of an order of accuracy.
 
     Parameters
     ----------
-    terms : how many terms Euler's equations have
+    terms : the number of nonzero terms of Euler's equations
     """
     if order > COLOURED:
         return [BOTH]
@@ -146,12 +152,12 @@ def _colours(order: int, terms: int) -> Sequence[int]:
 
 
 def trees(count: int, colours: Sequence[int]) -> list[Tree]:
-    """Return all rooted trees with `count` vertices, each of one of the given colours."""
+    """Return all rooted trees with `count` vertices, each vertex of one of the given colours."""
     return [(root, branches) for root in colours for branches in _forests(count - 1, colours)]
 
 
 def _forests(count: int, colours: Sequence[int]) -> list[tuple[Tree, ...]]:
-    """Return all forests (multisets of rooted trees) that have `count` vertices together."""
+    """Return all forests, which are multisets of rooted trees, with `count` vertices in total."""
     if not count:
         return [()]
     forests = {
@@ -169,9 +175,9 @@ class _Differentials:
 
     Attributes
     ----------
-    equations : the equations for each colour of vertices
+    equations : the equations that vertices of each colour stand for, by the colour's number
     states : q, scalar first, and ω, rad/s, body axes, (n, 7)
-    rate : rate of the fastest change of a state, 1/s
+    rate : the fastest rate at which states change, 1/s
     """
 
     equations: Sequence[OtherEquations]
@@ -179,9 +185,11 @@ class _Differentials:
     rate: float
 
     def of(self, tree: Tree) -> FloatArray:
-        """Return a tree's elementary differential, q and ω, in units in which `rate` is 1, (n, 7).
+        """Return a tree's elementary differential of q and ω, (n, 7), in units with `rate` 1.
 
-        The m-th derivative in the directions of m differentials is taken by central differences.
+        With m subtrees at the root it is the m-th derivative of the right-hand side that the root
+        stands for, in the directions of the subtrees' differentials. Derivatives are taken by
+        central differences.
         """
         root, branches = tree
         directions = [self.of(one) for one in branches]
@@ -195,11 +203,14 @@ class _Differentials:
         return np.where(is_kept, total, 0.0)
 
     def turning_of(self, tree: Tree) -> FloatArray:
-        """Return a tree's differential as a turning rate, body axes, in units of `rate`, (n, 3)."""
+        """Return the angular velocity that a tree's differential of q stands for, (n, 3).
+
+        It is along body axes, in units of `rate`.
+        """
         return turning_of(self.states[:, :4], self.of(tree)[:, :4])
 
     def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
-        """Return q' and ω' of states by the equations of a colour, (n, 7).
+        """Return q' and ω' of states by the equations that a colour stands for, (n, 7).
 
         The quaternions of the states may have any length.
         """

@@ -1,4 +1,4 @@
-"""A flight log: the samples of a measured motion, with normal and independent noise."""
+"""The samples of a measured motion, as of a flight log, with normal and independent noise."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,10 +17,10 @@ from ..samples.intervals import FASTER, states_of
 from ..samples.mistakes import FITS
 from ..samples.sensors import as_read
 
-#: Turn of the body, rad, in the samples that are fitted first, and their least number; then twice
-#: as many are fitted, until all are.
+#: The first samples are fitted alone: so many that the body turns by `BEGINNING`, rad, but at least
+#: `FEWEST`. Then twice as many are fitted, and so on until all are.
 BEGINNING, FEWEST = 2.0, 12
-#: Most samples that are searched for changes before all samples are.
+#: The most samples of a part of the log that is fitted before all samples are.
 MOST = 128
 #: Prior standard deviation, relative to the mean moment, of each of the five independent components
 #: of a tensor with a given trace. It is the root mean square difference of two random bodies with
@@ -31,16 +31,16 @@ PRIOR_SPREAD = 0.387
 
 @dataclass(frozen=True, eq=False)
 class Log(Data):
-    """The samples of a measured motion.
+    """The n samples of a measured motion, to which hypotheses are fitted.
 
     Attributes
     ----------
     scene_start : q, scalar first, and ω, rad/s, body axes, of the exact motion at the first sample,
         (7,)
-    t : s, (n,)
+    t : times of the samples, s, (n,)
     states : recorded q and ω, (n, 7)
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    is_stated : whether the noise was stated, not estimated
+    is_stated : whether the noise was stated by the user; else it was estimated
     has_omega : whether ω was recorded; if not, only attitudes are fitted
     """
 
@@ -59,22 +59,26 @@ class Log(Data):
 
     @property
     def fastest(self) -> float:
-        """The largest rate up to which motions are followed, rad/s."""
+        """The largest ‖ω‖ up to which the motions of hypotheses are followed, rad/s."""
         return FASTER * self.rate
 
     @cached_property
     def integrator(self) -> Integrator:
-        """`APPROXIMATE` if its error is below the noise of the mean of samples, else `EXACT`."""
+        """The integrator of hypotheses: `APPROXIMATE` if its error is small enough, else `EXACT`.
+
+        The error must be less than the noise of the mean of all samples.
+        """
         error = ERROR * self.rate * float(np.abs(self.t - self.t[0]).max())
         noise = min(self.noise[0], self.noise[1] / (self.rate or 1.0)) / np.sqrt(len(self.t))
         return APPROXIMATE if error < noise else EXACT
 
     @cached_property
     def beginnings(self) -> Sequence["Log"]:
-        """Logs of more and more of the first samples, to be fitted in turn, as in `Data`.
+        """Logs of more and more of the first samples, to be fitted in turn.
 
         The first log is so short that its motion is nearly linear in its start. The last log has
-        all samples. Each other one has at most `MOST`, spread evenly over its part of the motion.
+        all samples. Each log before it has at most `MOST`, spread evenly over its part of the
+        motion.
         """
         turned = np.cumsum(norms(self.states[1:, 4:]) * np.diff(self.t))
         length, lengths = max(FEWEST, int(np.searchsorted(turned, BEGINNING))), list[int]()
@@ -86,7 +90,7 @@ class Log(Data):
         return (*map(self._beginning, lengths), self)
 
     def _beginning(self, length: int) -> "Log":
-        """Return at most `MOST` of the first samples, spread evenly over as many as `length`."""
+        """Return the log of at most `MOST` samples, spread evenly over the first `length`."""
         kept = np.unique(np.linspace(0, length - 1, min(length, MOST)).astype(int))
         return replace(self, t=self.t[kept], states=self.states[kept])
 
@@ -96,28 +100,29 @@ class Log(Data):
         return 6 if self.has_omega else 3
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """The residuals of H hypotheses, in standard deviations of noise, as in `Data`.
+        """Return the residuals of H hypotheses, in standard deviations of noise.
 
         Returns
         -------
-        (H, n, 6): of attitude and ω; (H, n, 3) without ω
+        Residuals of attitude and ω, (H, n, 6), or of attitude alone, (H, n, 3), if ω was not
+        recorded
         """
         made = self.made(hypotheses, self.t)
-        # What sensors of far too high a gain or too long a delay read may overflow.
+        # With a far too large scale factor or delay, the readings of sensors may overflow.
         with np.errstate(over="ignore", invalid="ignore"):
             off = apart(as_read(hypotheses, made, self.t), self.states) / np.repeat(self.noise, 3)
         return off[..., : self.measured]
 
     def made(self, hypotheses: Hypothesis, t: FloatArray) -> FloatArray:
-        """Return the states that H hypotheses lead to at given times, (H, n, 7).
+        """Return the states to which H hypotheses lead at given times, (H, n, 7).
 
         Parameters
         ----------
-        t : s, (n,), increasing from the time of the first sample on, or decreasing from it
+        t : times, s, (n,), which increase or decrease from the time of the first sample
 
         Returns
         -------
-        q, scalar first, and ω, rad/s, body axes, before any sensor reads them
+        The body's q, scalar first, and ω, rad/s, body axes; not what sensors would read
         """
         changed = hypotheses.start
         turn = Rotation.from_rotvec(changed[:, :3])
@@ -128,9 +133,10 @@ class Log(Data):
         return follow_each(hypotheses, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
 
     def prior_residuals(self, hypotheses: Hypothesis) -> FloatArray:
-        """The deviations of the tensors of inertia from their prior mean, as in `Data`, (H, 9).
+        """Return the deviations of H hypotheses' tensors of inertia from the scene's, (H, 9).
 
-        The tensors are relative to their traces, and the prior mean is the scene's tensor.
+        The deviations are those of the entries of tensors divided by their traces, in units of
+        the prior standard deviation. So the scene's tensor is the mean of the prior.
         """
         made, usual = hypotheses.inertia, self.base.inertia
         traces = np.trace(made, axis1=1, axis2=2)[:, None, None]
@@ -138,10 +144,10 @@ class Log(Data):
         return np.asarray(3 * deviations.reshape(-1, 9) / PRIOR_SPREAD)
 
     def squares(self, standardised: FloatArray) -> FloatArray:
-        """Return χ² of M sets of residuals, of attitude and, if it is fitted, of ω, (M, 2 or 1).
+        """Return the χ² of attitude and of ω for each of M sets of residuals, (M, 2).
 
-        Deviations of `FITS`, which need no explanation, are added, so that rounding is not taken
-        for noise.
+        If ω was not recorded, only that of attitude is returned, (M, 1). To each χ² that of
+        deviations of size `FITS` is added, so that rounding is not taken for noise.
 
         Parameters
         ----------
@@ -153,10 +159,15 @@ class Log(Data):
         return np.asarray(squares + 3 * len(self.t) * fits[: squares.shape[1]] ** 2)
 
     def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:
-        """The decreases of χ² from the residuals before M changes to those after, as in `Data`.
+        """Return by how much each of M changes decreases χ², (M,).
 
-        If noise is not stated, it is twice the logarithm of the ratio of the likelihoods, in which
-        the noise is estimated from the residuals.
+        If noise is not stated, twice the logarithm of the likelihood ratio is returned instead.
+        Each likelihood has the noise that is estimated from its own residuals.
+
+        Parameters
+        ----------
+        before, after : residuals without the changes, (m,), and with each of them, (M, m), in
+            standard deviations of noise
         """
         if self.is_stated:
             return super().chi2_decreases(before, after)
@@ -164,7 +175,7 @@ class Log(Data):
         return np.asarray(3 * len(self.t) * np.sum(np.log(ratios), axis=1))
 
     def with_noise_of(self, fit: Fit) -> "Log":
-        """Return the samples, with noise that is estimated from the residuals of a fit."""
+        """Return the same log, with noise that is estimated from the residuals of a fit."""
         (squares,) = self.squares(fit.residuals[None])
         # Each parameter takes one degree of freedom, half from attitude and half from ω.
         freedom = 3 * len(self.t) - len(fit.parameters) / len(squares)
@@ -187,9 +198,10 @@ def log_of(
     Parameters
     ----------
     motion : the recorded motion
-    exact : the exact motion; only its first state is used, that at the first recorded time
+    exact : the exact motion at the recorded times; only its first state is used
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    is_stated, has_omega : whether the noise was stated, not estimated; whether ω was recorded
+    is_stated : whether the noise was stated by the user; else it was estimated
+    has_omega : whether ω was recorded
     """
     start, states = states_of(exact.until(1))[0], states_of(motion)
     return Log(as_it_is(scenario), start, motion.t, states, noise, is_stated, has_omega)

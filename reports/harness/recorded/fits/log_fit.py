@@ -1,7 +1,7 @@
-"""The fit of a measured motion: the start, tensor and mistakes that its samples require.
+"""Fits the exact motion to the samples of a measured one, with the changes that these require.
 
-The exact motion is fitted to all samples at once by maximum likelihood, with normal and independent
-noise.
+A change (`Change`) is one of the start, the tensor, another term of the equations, or how a sensor
+reads. All samples are fitted at once by maximum likelihood, with normal and independent noise.
 """
 
 from dataclasses import dataclass, replace
@@ -40,13 +40,13 @@ from .motion_effects import (
 from .right_by_itself import right_by_itself, uneven_times
 from .stepwise import Stepwise
 
-#: Most changes that are fitted at once, and most parameters of a change that is not among those
-#: that measured motions usually require.
+#: The most changes that are fitted together. The most parameters of a change that is not in
+#: `LogFit.general`.
 MOST_CHANGES, MOST_PARAMETERS = 4, 3
-#: Largest turn of the body, rad, in the time by which all states are late.
+#: Largest time by which all states may be late: the body turns by this angle in it, rad.
 LATEST = 30.0
-#: Factor by which the degrees of freedom of neighbouring fourth differences, which share noise, are
-#: fewer than the differences: Σ (8 over 4+k)² / (8 over 4)².
+#: Noise is estimated from fourth differences, and neighbouring ones share noise. So their degrees
+#: of freedom are fewer than the differences, by the factor Σ (8 over 4+k)² / (8 over 4)².
 SHARED = 2.63
 
 #: The change of the first state: a rotation vector, rad, and a difference of ω, rad/s, body axes.
@@ -59,7 +59,7 @@ class LogFit:
 
     Attributes
     ----------
-    given : the samples, with the noise that is stated, or was estimated before any fit
+    given : the samples, with the noise that was stated, or estimated before any fit
     """
 
     scenario: Scenario
@@ -72,14 +72,14 @@ class LogFit:
 
     @cached_property
     def by_attitude(self) -> Change:
-        """The change that adds torques that depend on the attitude."""
+        """The change that adds a torque that depends on the attitude."""
         return by_attitude(usual_torque(self.scenario, self.given.base))
 
     @cached_property
     def axes(self) -> Change:
         """The change in which attitude and ω are recorded along other axes than the body's.
 
-        Its parameters are the rotation vector, rad, that turns the body's axes to the other axes.
+        Its parameters are the rotation vector, rad, that turns the body's axes to the others.
         """
         omega = self.given.scene_start[4:]
 
@@ -95,9 +95,9 @@ class LogFit:
 
     @cached_property
     def late(self) -> Change:
-        """The change in which each recorded state is the motion's at an earlier time.
+        """The change in which each recorded state is that of an earlier time.
 
-        Its parameter is how much earlier that time is, s; a negative one means a later time.
+        Its parameter is how much earlier that time is, s. If it is negative, the time is later.
         """
         start = self.given.scene_start[None]
         rate = max(float(norms(start[:, 4:])[0]), float(self.given.base.rate)) or 1.0
@@ -112,7 +112,7 @@ class LogFit:
 
     @cached_property
     def general(self) -> list[Change]:
-        """The changes that measured motions most often require."""
+        """The changes, of equations or readings, that measured motions most often require."""
         equations = self.given.base
         scene = self.scenario, equations
         found = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
@@ -122,9 +122,9 @@ class LogFit:
 
     @cached_property
     def search(self) -> Stepwise:
-        """The search for changes that the samples require, with the noise known before any fit.
+        """The search for the changes that the samples require, with the noise of `given`.
 
-        Changes that fit only the moments about given axes are left out, as noise may hide that the
+        Changes of a tensor's moments about given axes are not tried, as noise may hide that the
         tensor has other axes.
         """
         special = [one for one in changes_of_motion(self.scenario) if one not in READINGS]
@@ -137,11 +137,11 @@ class LogFit:
 
     @cached_property
     def found(self) -> Fit:
-        """The best fit, with all the changes that the samples require."""
+        """The best fit, with all changes that the samples require."""
         search = self.search
         found = search.from_first_samples(MOST_CHANGES)
         if self._is_beyond(found) or len(found.changes) > 1:
-            # Most measured bodies have another start and tensor, whatever else.
+            # Most measured bodies have another start and tensor than the scene, whatever else.
             other = search.from_first_samples(MOST_CHANGES, (START, self.tensor))
             found = max(found, other, key=search.score)
         if self._is_beyond(found) and self.given.has_omega and not self.right_by_itself:
@@ -156,28 +156,28 @@ class LogFit:
             of_dipole = Trial(self.given, (dipole(torque.parameters.reshape(3, 3)),)).fit()
             if search.improvement(of_dipole, torque) <= 0:
                 return of_dipole
-        # The start of most measured bodies is not known well, so that no simpler change needs to
-        # explain it.
+        # The start of most measured bodies is not known well: its change is not to be replaced by a
+        # simpler one.
         return found if self._is_beyond(found) else search.simplified(found, but=START)
 
     def alternatives(self, change: Change) -> list[tuple[float, Change, Fit]]:
-        """Return the mistakes of a gyroscope that explain about as much as a given one.
+        """Return the sensor errors that explain the samples about as well as a given one.
 
-        If ω hardly changes, a bias and a scale are alike. Mistakes less likely than `SIGNIFICANCE`
-        are left out.
+        If ω hardly changes, for instance, a bias and a scale factor have the same effect.
 
         Parameters
         ----------
-        change : one of the changes of `found`
+        change : a sensor error, which is one of the changes of `found`
 
         Returns
         -------
-        For each mistake, the likeliest first: the likelihood relative to that with the given
-        change, the change that the mistake is, and the fit with it
+        For each other error, the likeliest first: its likelihood relative to that of the given one,
+        the other error, and the fit with it in place of the given one. Errors with a relative
+        likelihood of `SIGNIFICANCE` or less are left out
         """
         fits = []
         for other in OF_LOGS:
-            # A mistake with more parameters explains as much in any case.
+            # An error with more parameters explains the samples as well in any case.
             if other not in self.found.changes and len(other.scales) <= len(change.scales):
                 changes = (other if one is change else one for one in self.found.changes)
                 fit = Trial(self.given, tuple(changes)).fit(self.found)
@@ -187,23 +187,27 @@ class LogFit:
 
     @cached_property
     def uneven_times(self) -> list[str]:
-        """The sentence that each state is, within noise, the scene's at another time; or none."""
+        """A list of the sentence that, within noise, each state is exact but for its time.
+
+        The list is empty if the states are not those of the exact motion at other times.
+        """
         return uneven_times(self.given, self.search.unchanged.residuals)
 
     @cached_property
     def right_by_itself(self) -> list[str]:
-        """The sentence that attitude alone, ω alone, or each state at another time is the scene's.
+        """A list of the sentence on what part of the recording is that of the exact motion.
 
-        The list is empty if none of these is so.
+        Within noise this may be all but the times, the attitude alone, or ω alone. The list is
+        empty if none of these agrees with the exact motion.
         """
         return self.uneven_times or right_by_itself(self.given, self.search.unchanged.residuals)
 
     @cached_property
     def log(self) -> Log:
-        """The samples, with the noise that later fits assume.
+        """The samples, with the noise that is assumed once `found` is known.
 
-        The noise is estimated from the residuals of the best fit. It stays as in `given` if it was
-        stated, or if the residuals are larger than noise explains.
+        The noise is estimated anew from the residuals of the best fit. It stays as in `given` if it
+        was stated, or if these residuals exceed noise.
         """
         is_noise = self.given.is_stated or self.is_beyond
         return self.given if is_noise else self.given.with_noise_of(self.found)
@@ -215,11 +219,11 @@ class LogFit:
 
     @cached_property
     def with_tensor(self) -> Fit:
-        """The best fit, with start and tensor added even if the samples do not require them."""
+        """The best fit, with changes of start and tensor added if it does not have them."""
         more = [one for one in (START, self.tensor) if one not in self.found.changes]
         trial = Trial(self.log, (*self.found.changes, *more))
         fit = trial.fit(self.found)
-        # A tensor that takes the place of changes that were found is fitted from zero.
+        # Where a tensor imitates changes that were found, parameters of zero are a better start.
         return trial.fit() if self._is_beyond(fit) else fit
 
     @cached_property
@@ -233,10 +237,9 @@ class LogFit:
         return self._is_beyond(self.found)
 
     def _is_beyond(self, fit: Fit) -> bool:
-        """Whether the residuals of a fit exceed noise.
+        """Return whether the residuals of a fit exceed noise, by a χ² test or an F-test.
 
-        The test is a χ² test if the noise is stated. Otherwise the noise was estimated itself, and
-        the test is an F test.
+        The F-test is used if the noise is not stated, as it was then estimated from samples, too.
         """
         (squares,) = self.given.squares(fit.residuals[None])
         freedom = fit.residuals.size - len(fit.parameters)
@@ -248,35 +251,39 @@ class LogFit:
 
     @property
     def is_far(self) -> bool:
-        """Whether the residuals exceed noise so far that standard errors mean nothing."""
+        """Whether the residuals exceed noise by so much that standard errors mean nothing."""
         return self.is_beyond and self.chi2 > self.freedom / LEFT
 
     @property
     def chi2(self) -> float:
-        """The sum of squares of the residuals, in standard deviations of noise."""
+        """The sum of squares of the residuals of `fit`, in standard deviations of noise."""
         return float(np.sum(self.fit.residuals**2))
 
     @property
     def inflation(self) -> float:
-        """The factor of standard errors, √(χ² / degrees of freedom), where residuals exceed noise.
+        """The factor by which standard errors are multiplied.
 
-        It is 1 if the residuals do not exceed noise. The Particle Data Group scale errors so where
-        measurements differ by more than their errors (R. L. Workman et al., Prog. Theor. Exp. Phys.
-        2022, 083C01, §5.2.2).
+        It is √(χ² / degrees of freedom) if the residuals exceed noise, else 1. The Particle Data
+        Group scales errors in this way if measurements differ by more than their errors (R. L.
+        Workman et al., Prog. Theor. Exp. Phys. 2022, 083C01, §5.2.2).
         """
         return float(np.sqrt(self.chi2 / self.freedom)) if self.is_beyond else 1.0
 
     def is_required(self, change: Change) -> bool:
-        """Whether the parameters of a change differ significantly from zero.
+        """Return whether samples require a change: its parameters differ significantly from zero.
 
         A change without parameters always counts as required.
+
+        Parameters
+        ----------
+        change : one of the changes of `fit`
         """
         if not len(change.scales):
             return True
         indices, estimates = self.fit.columns(change), self.fit.parameters_of(change)
         errors = self.fit.errors[indices] * self.inflation
         in_errors = estimates / errors
-        # Parameters that are known in combination only have a nearly singular correlation matrix.
+        # The correlation matrix is nearly singular if only a combination of parameters is known.
         correlation = (
             self.fit.covariance[indices, indices] * self.inflation**2 / np.outer(errors, errors)
         )
@@ -285,10 +292,11 @@ class LogFit:
 
     @property
     def shows_tensor(self) -> bool:
-        """Whether no standard error of the tensor's entries exceeds the largest entry.
+        """Whether the samples determine the tensor of inertia.
 
-        It is also false if the fit with start and tensor added leaves residuals beyond noise and
-        the best fit does not: then the tensor only takes the place of changes that are required.
+        They do if no standard error of an entry exceeds the largest entry. They do not if the
+        residuals of `with_tensor` exceed noise and those of `found` do not: then the tensor only
+        imitates changes that the samples require.
         """
         if self._is_beyond(self.with_tensor) and not self.is_beyond:
             return False
@@ -296,7 +304,10 @@ class LogFit:
         return bool(errors.max() <= np.abs(entries).max())
 
     def tensor_entries(self) -> tuple[FloatArray, FloatArray]:
-        """Return the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz, kg m², and their standard errors."""
+        """Return the entries of the fitted tensor, kg m², and their standard errors, (6,) each.
+
+        The entries are Ixx, Iyy, Izz, Ixy, Ixz, Iyz. Their errors are multiplied by `inflation`.
+        """
         fit, entries = self.with_tensor, self.tensor.shown
         indices, count = fit.columns(self.tensor), len(self.tensor.scales)
         usual = np.asarray(entries(np.zeros(count)))

@@ -1,4 +1,4 @@
-"""A measured motion in words and as a record: its noise, tensor and the changes it requires."""
+"""Puts the fit of a measured motion in words and in a record: noise, tensor and changes."""
 
 import numpy as np
 
@@ -15,11 +15,11 @@ from .starts import started_elsewhere
 
 
 class Measured(LogFit):
-    """The fit of a measured motion, with its results in words."""
+    """The fit of a measured motion, with its results in words and as a record for JSON."""
 
     @property
     def verdict(self) -> str:
-        """A sentence on whether the residuals are noise."""
+        """A sentence on whether the residuals of the best fit are within noise."""
         of_attitude, in_omega = np.degrees(self.log.noise[0]), self.log.noise[1]
         noise = f"a noise of {of_attitude:.3g}° in attitude"
         noise += f" and {in_omega:.3g} rad/s in ω" if self.log.has_omega else ""
@@ -43,7 +43,7 @@ class Measured(LogFit):
     def as_record(self) -> dict[str, object]:
         """Return noise, χ² and tensor for JSON, in rad, rad/s and kg m².
 
-        The tensor is null where none is given in words.
+        The tensor is None if the samples do not determine it, or if residuals far exceed noise.
         """
         is_given = not self.is_far and self.shows_tensor
         of_tensor = [one.tolist() for one in self.tensor_entries()] if is_given else [None, None]
@@ -58,15 +58,15 @@ class Measured(LogFit):
         }
 
     def explained(self, but: Change | None = None) -> list[str]:
-        """Return the changes that the samples require, in words.
+        """Return sentences on the changes that the samples require, or on what is right by itself.
 
-        Where the residuals far exceed noise, a sentence says instead that the attitudes alone, or ω
-        alone, are those of the scene, or that each state is the scene's at another time. If noise
-        is not stated, the sentence on other times is returned however small the residuals are.
+        If the residuals exceed noise, and only the attitudes, only ω, or all but the times are the
+        scene's, that sentence is returned alone. If noise is not stated, the sentence on the times
+        is so returned whatever the residuals are. If they far exceed noise, no changes are named.
 
         Parameters
         ----------
-        but : a change that is left out of the list; None to name all
+        but : a change on which no sentence is returned; None for sentences on all
         """
         if self.is_far or (self.is_beyond and self.right_by_itself):
             return self.right_by_itself
@@ -83,7 +83,7 @@ class Measured(LogFit):
         return [self._in_words(change) for change in required]
 
     def _in_words(self, change: Change) -> str:
-        """Return a change in words, with its fitted parameters and their standard errors."""
+        """Return a sentence on a change, with its fitted parameters and their standard errors."""
         indices = self.fit.columns(change)
         values, errors = self.fit.parameters[indices], self.fit.errors[indices] * self.inflation
         if change in (*OF_LOGS, CROSS_AXIS):
@@ -104,7 +104,7 @@ class Measured(LogFit):
             turn = _plus_minus(np.degrees(values), np.degrees(errors))
             return f"attitude and ω are those of axes that are turned by {turn}° in the body"
         if change.kind == self.by_attitude.kind:
-            # The angles of a dipole's field, which are no torques, have another scale.
+            # A dipole also has parameters that are angles, not torques, and have another scale.
             of_torque = errors[change.scales == change.scales[0]]
             listed = f"{norms(of_torque[None])[0]:.2g} N m"
         else:
@@ -116,7 +116,7 @@ class Measured(LogFit):
         return f"{before}{self.fit.explanation(change).words}{listed}"
 
     def _of_sensor(self, change: Change, fit: Fit) -> str:
-        """Return a gyroscope's error in words, with its parameters in a fit."""
+        """Return a sentence on a sensor's error, with its parameters in a fit and their errors."""
         indices = fit.columns(change)
         values, errors = fit.parameters[indices], fit.errors[indices] * self.inflation
         return of_sensor(change, values, lambda n, unit: _plus_minus(n, unit * errors))

@@ -1,4 +1,7 @@
-"""The changes of equations or readings that may explain a recorded motion, and their words."""
+"""All changes (`Change`) that may explain a recorded motion, and sentences on them.
+
+A change is one of the equations of motion, or of how states are read.
+"""
 
 from functools import lru_cache
 
@@ -14,20 +17,20 @@ from ..samples.missing import KINEMATICS
 from ..samples.sensors import FILTERS, READINGS, of_sensor
 from .motion_effects import of_attitude, of_rotors
 
-#: Kind and number of the change that reverses gravity. A com on the other side of the pivot has the
-#: same effect, as the tensor about the pivot is the same.
+#: Kind and number of the change that reverses gravity. A com on the opposite side of the pivot has
+#: the same effect, as the tensor about the pivot is then the same.
 MIRRORED = "gravity's size", -2.0
-#: The integrator keeps ω along world axes, as game engines do, but multiplies q by it on the side
-#: of body axes.
+#: The change to an integrator that keeps ω along world axes, as game engines do, but multiplies q
+#: by it on the right, which is the side for body axes.
 IN_WORLD = Change(
     "wrong side in world axes", lambda h, _: h.of(kinematics=KEPT_IN_WORLD), np.empty(0)
 )
-#: The times between samples are wrong by a factor.
+#: The change in which the times between samples are wrong by a factor.
 TIMES = Change("times", lambda h, n: h.of(step=1 + n[:, 0]), np.ones(1))
 
 
 def _reversed_rate(axis: int) -> Change:
-    """The change in which Euler's equation about one axis gives ω' with the wrong sign."""
+    """Return the change in which the component of ω' along one body axis has the wrong sign."""
     sign = 1.0 - 2.0 * np.eye(3)[axis]
 
     def reverse(h: Hypothesis, _: FloatArray) -> Hypothesis:
@@ -37,9 +40,13 @@ def _reversed_rate(axis: int) -> Change:
 
 
 def _locked_axis(axis: int, *, is_set: bool) -> Change:
-    """The change in which ω about a body axis is constant.
+    """Return the change in which the component of ω along a body axis is constant.
 
-    Either the torque of a hinge keeps it constant, or, if `is_set`, it is set in each step.
+    Parameters
+    ----------
+    axis : index of the axis
+    is_set : whether this component is set after each step, which leaves the others as they would be
+        without that; else a torque keeps it constant, as that of a hinge would
     """
     kept = [i for i in range(3) if i != axis]
 
@@ -55,27 +62,27 @@ def _locked_axis(axis: int, *, is_set: bool) -> Change:
     return Change(f"rate {'set' if is_set else 'held'}", lock, np.empty(0), lambda _: [axis])
 
 
-#: In one of Euler's equations, of a body without torques, I₁ − I₃ stands for I₃ − I₁.
+#: Changes by the mistake of I₁ − I₃ for I₃ − I₁ in one of Euler's equations without torques.
 OTHER_SIGNS = [_reversed_rate(axis) for axis in range(3)]
-#: A constraint, or a flag of an engine, forbids rotation about an axis of the body.
+#: Changes by a constraint, or a flag of an engine, that forbids rotation about an axis of the body.
 LOCKED = [_locked_axis(axis, is_set=is_set) for is_set in (False, True) for axis in range(3)]
 
 
 @lru_cache(1)
 def changes_of_motion(scenario: Scenario) -> tuple[Change, ...]:
-    """Return every change with which a motion of a scene may have been computed or read."""
+    """Return every change with which a motion of a scene may have been computed or recorded."""
     scene = scenario, equations_of(scenario)
     of_equations = IN_WORLD, *changes(scenario), *OTHER_SIGNS, *LOCKED
     return *of_equations, *of_rotors(*scene), *of_attitude(*scene), *READINGS
 
 
 def is_of_turning(change: Change) -> bool:
-    """Whether a change concerns how states are read, or how the attitude follows from ω."""
+    """Return whether a change concerns how states are read, or how the attitude follows from ω."""
     return change in READINGS or KINDS[change.kind].is_kinematic
 
 
 def sentences(found: Fit) -> list[str]:
-    """Return each change of a fit in words."""
+    """Return a sentence on each change of a fit, with its fitted parameters."""
     every = []
     for change in found.changes:
         if change in (*READINGS, *FILTERS):
@@ -91,5 +98,5 @@ def sentences(found: Fit) -> list[str]:
 
 
 def _without_errors(numbers: FloatArray, _: float) -> str:
-    """Return the parameters of a change as text."""
+    """Return the parameters of a change as text; the second argument is not used."""
     return vector(numbers.tolist()) if len(numbers) > 1 else f"{numbers[0]:.4g}"

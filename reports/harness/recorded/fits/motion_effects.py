@@ -1,6 +1,6 @@
-"""Changes of what acts on a body that recorded motions show, and single steps do not need.
+"""Changes (`Change`) of effects and rotors that are tried with recorded motions only.
 
-They are tried with recorded motions only.
+Single steps of engines are explained without them.
 """
 
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from ...explaining.other_tensors import tensors_of_entries
 
 
 def tilt(e: OtherEquations) -> Iterator[Change]:
-    """The change of gravity's direction by two angles, rad, if gravity has a torque."""
+    """Yield the change of gravity's direction by two angles, rad, if gravity has a torque."""
     if e.pull.any() and e.gravity_world.any():
         perpendicular = np.linalg.svd(e.gravity_world[None])[2][1:]
 
@@ -35,9 +35,9 @@ def tilt(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that add torques that depend on the attitude, or a rotation of body or world axes.
+    """Yield changes that add a torque that depends on the attitude, or that turn body or world.
 
-    Only long motions show them.
+    Only long motions show their effects.
     """
     rate = usual_rate(scenario, e)
     size, gravity = usual_torque(scenario, e), e.gravity_world
@@ -56,7 +56,7 @@ def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def by_attitude(size: float) -> Change:
-    """The change that adds the torque Σᵢ P eᵢ × Rᵀ eᵢ, body axes, which depends on the attitude.
+    """Return the change that adds the torque Σᵢ P eᵢ × Rᵀ eᵢ, body axes, to the equations.
 
     R is the attitude, body to world, and eᵢ are the unit vectors. The matrix P, (3, 3), is fitted.
 
@@ -72,14 +72,15 @@ def by_attitude(size: float) -> Change:
 
 
 def dipole(P: FloatArray) -> Change:
-    """The change that adds the torque of a dipole in a field.
+    """Return the change that adds the torque of a dipole in the body, in a field of the world.
 
-    Its five parameters are deviations of the dipole times the field strength, three components,
-    N m, and of the field's direction, two angles, rad, from those of the dipole nearest to P.
+    The change has five parameters, which are deviations from the dipole whose torque is nearest to
+    that of P. Three of them are components of the dipole times the field strength, N m. Two are
+    angles of the field's direction, rad.
 
     Parameters
     ----------
-    P : a fitted matrix of torques, as in `by_attitude`, N m, (3, 3)
+    P : the matrix of a torque that was fitted with `by_attitude`, N m, (3, 3)
     """
     of_body, scales, of_world = np.linalg.svd(P)
 
@@ -97,12 +98,12 @@ def dipole(P: FloatArray) -> Change:
 
 
 def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
-    """The change that adds a spring, which turns the body to an attitude of rest.
+    """Return the change that adds the torque of a spring, which turns the body to a rest attitude.
 
     Parameters
     ----------
+    q_rest_wxyz : the rest attitude, scalar first, (4,)
     size : scale of the stiffness, N m/rad
-    q_rest_wxyz : the attitude of rest, scalar first, (4,)
     """
     R_rest = matrix(q_rest_wxyz)
     return Change(
@@ -114,7 +115,7 @@ def _spring(q_rest_wxyz: FloatArray, size: float) -> Change:
 
 
 def world_turning(rate: float) -> Change:
-    """The change in which the world turns at a fitted angular velocity, rad/s, world axes.
+    """Return the change in which the world turns at a fitted angular velocity, rad/s, world axes.
 
     Parameters
     ----------
@@ -124,15 +125,18 @@ def world_turning(rate: float) -> Change:
 
 
 def _gravity_gradient(h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """Return H hypotheses with gravity gradients, 1/s², whose entries but zz are `n`, (H, 5).
+    """Return H hypotheses with gravity gradients, 1/s², whose entries xx, yy, xy, xz, yz are `n`.
 
-    The entry zz is 0, because a multiple of the identity would have no torque.
+    `n` is (H, 5). The entry zz is 0: a multiple of the identity would have no torque.
     """
     return h.of(gravity_gradient=tensors_of_entries(np.insert(n, 2, 0.0, axis=1)))
 
 
 def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes of the rotors' hinges, signs and momentum, which show if spins were not recorded."""
+    """Yield changes of the rotors' hinges, of the signs of their spins, and of their momentum.
+
+    Each change of hinges or signs is made for all rotors, and for one rotor at a time.
+    """
     tables = scenario.document.rotors or ()
     for kind in "free", "driven", "locked", "reversed":
         for which in range(len(tables) + 1):
@@ -151,7 +155,10 @@ def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def momentum(scenario: Scenario, e: OtherEquations) -> Change:
-    """The change of the constant angular momentum of rotors, N m s, which the scene may lack."""
+    """Return the change of the constant angular momentum of rotors, N m s.
+
+    If the scene has no such momentum, the change adds one, as that of a wheel in the body.
+    """
     size = float(np.linalg.norm(e.kept)) or mean_moment(e) * usual_rate(scenario, e)
     kind = "rotors' momentum" if e.kept.any() else "momentum besides"
     return fitted(kind, e.kept, size, lambda h, n: h.of(kept=n))

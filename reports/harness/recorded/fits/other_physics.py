@@ -1,8 +1,8 @@
 """Other physics that explain a recorded motion: a clamp, an integrator, changes of the equations.
 
-The recorded state at the end of each interval between samples is compared with the one that a
-hypothesis leads to from the recorded state at the interval's start. So a change shows at any time,
-however far the recorded motion is from the exact one by then.
+A hypothesis is tested in each interval between two samples. Its equations are followed from the
+recorded state at the start of the interval, and lead to a state that is compared with the recorded
+one at the end. Errors from before the interval do not count.
 """
 
 from collections.abc import Sequence
@@ -28,22 +28,22 @@ from .motion_changes import TIMES, changes_of_motion, is_of_turning, sentences
 from .varying import varying
 from .within_error import refitted, within_error
 
-#: The most intervals that changes are fitted to, and the most steps in all of these that a known
-#: integrator takes when changes are fitted beside it.
+#: The most intervals to which changes are fitted. The most steps that a known integrator takes, in
+#: all intervals together, where changes are fitted to its motion.
 MOST_INTERVALS, MOST_STEPS = 60, 300
-#: The next term of a method's error, relative to the leading term, is `NEXT_TERM` times the angle
-#: that the fastest rate makes in a timestep, rad, and at most the fraction `LARGEST_NEXT`.
+#: The term of a method's error after the leading one, relative to that, is assumed to be
+#: `NEXT_TERM` times the fastest rate times the timestep, but at most `LARGEST_NEXT`.
 NEXT_TERM, LARGEST_NEXT = 4.0, 0.3
 #: A pair of changes that explains the motion exactly is looked for only if ω differs from the exact
 #: flow at the ends of intervals by more than this, as a root mean square, relative to the largest
 #: ‖ω‖.
 LEAST_FOR_TWO = 1e-4
-#: By how many standard deviations of noise the equations must lead beyond a clamp's bound for the
-#: clamp to be certain.
+#: A clamp of ω is certain if the scene's equations lead beyond its bound by at least this many
+#: standard deviations of noise.
 CERTAIN = 6.0
 #: The most parameters of a fit whose residuals exceed a method's error.
 MOST_PARAMETERS = 3
-#: The sentence that a method's order is lower than the stated one.
+#: The sentence that a method's order of accuracy is lower than the stated one.
 LOWER_ORDER = (
     "its method is of order {}, not {}: {} equations and errors of that order make this "
     "motion; look for a wrong stage or weight, or a rate that is taken at another time"
@@ -61,7 +61,10 @@ UNEXPLAINED = (
 
 @dataclass(frozen=True, eq=False)
 class Physics:
-    """A recorded motion, and the physics that may have led to it.
+    """The search for other physics that led to a recorded motion.
+
+    Other physics are changes (`Change`) of the equations or of how states are read, known
+    integrators, and clamps of ω.
 
     Attributes
     ----------
@@ -70,9 +73,9 @@ class Physics:
         between samples is used
     order : order of accuracy of the method that computed the motion
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    reach : how many samples at either end have larger errors of ω, where ω is computed from
-        attitudes; 0 if it was recorded
-    base : the hypothesis that changes are added to; the scene's equations if None
+    reach : the number of samples at either end that are left out because their ω, computed from
+        attitudes, has larger errors; 0 if ω was recorded
+    base : the equations in which changes are made; the scene's if None
     """
 
     scenario: Scenario
@@ -86,7 +89,10 @@ class Physics:
 
     @cached_property
     def intervals(self) -> Intervals | None:
-        """The intervals between samples; None if they are too few, or too long."""
+        """The intervals between samples, at most `MOST_INTERVALS`.
+
+        The property is None if there are too few in which the body does not turn too far.
+        """
         of_method = self.timestep, self.order, self.noise
         inner = self.motion.at(np.arange(self.reach, len(self.motion.t) - self.reach))
         data = intervals_of(self.scenario, inner, *of_method, most=MOST_INTERVALS)
@@ -97,18 +103,18 @@ class Physics:
 
     @cached_property
     def search(self) -> Search | None:
-        """The search for changes that explain the intervals; None without intervals."""
+        """The search for changes that explain the motion; None without intervals."""
         data = self.intervals
         every = changes_of_motion(self.scenario)
         return None if data is None else Search(data, every, most=MOST_PARAMETERS)
 
     @property
     def is_beyond(self) -> bool:
-        """Whether the motion differs from the flow of `base` by more than noise and method error.
+        """Whether noise and a method's error are too small to explain the motion with `base`.
 
-        In each interval the recorded end is compared with that of the exact flow of `base` from
-        the recorded start. The method has the stated order and timestep. It is False without
-        intervals.
+        In each interval the recorded state at the end is compared with that to which the exact flow
+        of `base` leads from the recorded start. The error is that of a method with the stated order
+        and timestep. Without intervals the property is False.
         """
         return self.search is not None and self.search.exceed_noise(self.search.unchanged.residuals)
 
@@ -116,8 +122,8 @@ class Physics:
     def made_by(self) -> str:
         """The known integrator that computed the motion with the equations of `base`, in words.
 
-        Other timesteps than the stated one are tried, too. It is empty if there is none, or without
-        intervals.
+        Other timesteps than the stated one are tried, too. The text is empty if no known integrator
+        computed the motion, or without intervals.
         """
         if self.known is None:
             return ""
@@ -126,14 +132,14 @@ class Physics:
 
     @property
     def is_at_another_timestep(self) -> bool:
-        """Whether the integrator that computed the motion took another timestep than is stated."""
+        """Whether a known integrator computed the motion with another timestep than is stated."""
         if self.timestep is None or self.known is None:
             return False
         return bool(self.made_by) and not self.known.that_made(self.known.intervals.base)
 
     @property
     def next_term(self) -> float:
-        """The largest next term of a method's error, relative to the leading term."""
+        """The size of a method's error after its leading term, relative to that term."""
         if self.intervals is None:
             return LARGEST_NEXT
         data = self.intervals
@@ -143,12 +149,12 @@ class Physics:
 
     @cached_property
     def apparent_order(self) -> int:
-        """The order of a method whose errors explain the motion where the stated method's do not.
+        """The order of accuracy that the errors show, if they are not those of the stated method.
 
-        It is lower than the stated order; or it equals the stated order, and the timestep is longer
-        than stated. The leading errors of methods of that order explain the differences from the
-        exact flow but for the next term of these errors, and no change of the equations has far
-        smaller residuals. It is 0 if there is no such order, or if no timestep is stated.
+        Methods of lower orders are tried, and of the stated order with a longer timestep. Their
+        leading errors must explain the differences from the exact flow up to the next term, which
+        those of the stated method do not, or far worse. No change of the equations may leave far
+        smaller residuals. The order is 0 if none is found, or if no timestep is stated.
         """
         if self.timestep is None or self.intervals is None or self.made_by:
             return 0
@@ -160,8 +166,8 @@ class Physics:
         def residual_square(*orders: int, timestep: float | None = self.timestep) -> float:
             return mean_square(left_by_methods(data, orders, timestep))
 
-        # A motion within the error of the stated order is taken to have another one only if the
-        # residuals are far smaller with it.
+        # If errors of the stated order are large enough to explain the motion, another order counts
+        # only if it leaves far smaller residuals.
         enough = np.inf if self.is_beyond else LEFT**2 * residual_square(self.order, self.order + 1)
         made = [replace(self, order=n) for n in range(1, self.order)]
         if self.is_beyond:
@@ -183,7 +189,10 @@ class Physics:
 
     @property
     def of_other_method(self) -> list[str]:
-        """The sentence that the method's order or timestep is not the stated one; often none."""
+        """A list of the sentence that the method's order or timestep is not the stated one.
+
+        The list is empty if the motion does not show that.
+        """
         if self.is_at_another_timestep:
             return [OTHER_TIMESTEP.format(self.timestep)]
         order = self.apparent_order
@@ -193,7 +202,7 @@ class Physics:
 
     @property
     def least_timestep(self) -> float:
-        """The shortest timestep, s, with which errors of the stated order are as large as found.
+        """The shortest timestep, s, with which errors of the stated order explain the motion.
 
         It is 0 if no timestep is stated, or without intervals.
         """
@@ -205,27 +214,31 @@ class Physics:
 
     @cached_property
     def known(self) -> KnownIntegrators | None:
-        """The known integrators, followed in the intervals; None without intervals."""
+        """The comparison of the motion with known integrators; None without intervals."""
         return KnownIntegrators(self.intervals, self.timestep) if self.intervals else None
 
     def _integrator(self, hypothesis: Hypothesis) -> str:
-        """Return in words the known integrator that computed the motion if a hypothesis holds."""
+        """Return in words the known integrator that computed the motion with a hypothesis.
+
+        The text is empty if none did.
+        """
         return self.known.that_made(hypothesis) if self.known else ""
 
     def after(self, found: Fit) -> "Physics":
-        """Return the same motion, with the changes of a fit made in `base`."""
+        """Return the search for further changes, in addition to those that a fit found."""
         return replace(self, base=found.hypothesis)
 
     @cached_property
     def by_other_equations(self) -> Fit | None:
-        """The change with which a known integrator gives the motion up to rounding; or None.
+        """The change with which a known integrator computed the motion; None if there is none.
 
-        It is None, too, if a known integrator gives the motion without any change.
+        It is None, too, if a known integrator computed the motion without any change.
 
-        Changes with parameters are tried only if a timestep is stated, and the motion exceeds a
-        method's error or other changes were found before: the implicit damping of an unknown method
-        looks like another tensor. Nothing is tried if samples are many steps apart: the method's
-        error is small then, and `found` shows changes without an integrator.
+        Changes with parameters are tried only if a timestep is stated; besides, `base` must have
+        changes already, or the motion must be beyond a method's error. Otherwise the implicit
+        damping of an unknown method would look like another tensor of inertia. Nothing is tried if
+        samples are many steps apart: the method's error is small then, and `found` shows changes
+        without an integrator.
         """
         if self.search is None or self.made_by or self.known is None or not self.known.each:
             return None
@@ -242,23 +255,23 @@ class Physics:
 
     @property
     def is_of_noise(self) -> bool:
-        """Whether the differences from the exact flow are no more than noise."""
+        """Whether the differences from the exact flow of `base` are no more than noise."""
         return bool((self.off <= self.least).all())
 
     @property
     def is_of_method(self) -> bool:
         """Whether noise or the errors of methods explain the differences from the exact flow.
 
-        The errors of methods of all orders up to one above the stated order are fitted. What
-        remains must be smaller than the next term of a method's error.
+        The leading errors of methods are fitted, of all orders up to one above the stated order.
+        They must leave less than the next term of a method's error.
         """
         return self._square_beside_methods < self.next_term**2
 
     @cached_property
     def _square_beside_methods(self) -> float:
-        """The mean square of what a fit of methods' errors leaves of the differences `off`.
+        """The mean square of the differences `off` that a fit of methods' errors leaves.
 
-        It is relative to the square of `off`; 0 if these differences are no more than noise.
+        It is relative to the square of `off`, and 0 if these differences are no more than noise.
         """
         if self.intervals is None or self.is_of_noise:
             return 0.0
@@ -267,10 +280,10 @@ class Physics:
 
     @cached_property
     def off(self) -> FloatArray:
-        """The root mean square differences from the exact flow of `base`, (2,).
+        """The root mean square differences of attitude, rad, and ω, rad/s, in the intervals, (2,).
 
-        They are those of attitude, rad, and ω, rad/s, at the ends of the intervals. Without
-        intervals they are 0.
+        They are those of the recorded ends from the exact flow of `base`, followed from the
+        recorded starts. Without intervals they are 0.
         """
         if self.intervals is None:
             return np.zeros(2)
@@ -280,17 +293,17 @@ class Physics:
 
     @cached_property
     def least(self) -> FloatArray:
-        """The size up to which differences of attitude, rad, and ω, rad/s, count as noise, (2,)."""
+        """The largest differences of attitude, rad, and ω, rad/s, that count as noise, (2,)."""
         fits = FITS * np.array([1.0, norms(self.motion.omega_body).max()])
         return np.maximum(self.noise, fits)
 
     @cached_property
     def of_exact_motion(self) -> Fit | None:
-        """The change, or pair, whose exact flow leads from each sample to the next; None if none.
+        """The change, or pair, with which the exact flow leads from sample to sample; or None.
 
-        The residuals of such a change are at most `SAME` times the differences from the scene's
-        exact flow. Nothing is tried if these differences may be a method's error. A change that
-        fits so well may have up to `MOST_OF_ALL` parameters.
+        It must reduce the differences from the exact flow of `base` to the fraction `SAME` or less,
+        or to noise. Nothing is tried if these differences may be a method's error. Changes that
+        explain the motion so well may have up to `MOST_OF_ALL` parameters.
         """
         if self.search is None or self.intervals is None or self.is_of_method:
             return None
@@ -298,23 +311,25 @@ class Physics:
         data = replace(self.intervals.made_by(EXACT, 0.0), noise=noise)
         search = Search(data, self._of_motion, part=SAME)
         found, speed = search.one(), float(norms(self.motion.omega_body).max())
-        # Small residuals of a single change may be a method's error.
+        # No pair is tried if a single change leaves small residuals, which may be a method's error.
         is_much = min((fit.mean_square for fit in search.single), default=np.inf) > LEFT**4 * (
             search.unchanged.mean_square
         )
         if found is None and is_much and self.off[1] > LEAST_FOR_TWO * speed:
             found = Search(data, [TIMES, *READINGS, *self._of_motion], part=SAME).one_or_two()
-            # Changes of reading alone may be a method's error about a steady axis.
+            # If the body turns about a steady axis, a method's error looks like changes of how ω is
+            # read.
             is_of_reading = found is not None and {*found.changes} <= {*READINGS}
             if found and (is_of_reading or found.rank > 2 * MOST_PARAMETERS):
                 found = None
         return found if found is not None and found.rank <= MOST_OF_ALL else None
 
     def explained(self) -> list[str]:
-        """Return sentences on what explains the motion; often none.
+        """Return sentences on what explains the motion; an empty list if nothing does.
 
-        They are on the first of these that explains it: changes of the equations or of reading, a
-        parameter that varies in time, energy lost within the body, a missing rate or torque.
+        These are tried in turn until one explains the motion: changes of the equations or of how
+        states are read; a parameter that varies in time; energy that is lost within the body; a
+        missing torque, or a missing angular velocity.
         """
         if self.intervals is None or self.search is None:
             return []
@@ -331,26 +346,37 @@ class Physics:
 
     @cached_property
     def unlike_any_change(self) -> list[str]:
-        """The sentence that a parameter varies in time, or that energy is lost; often none."""
+        """Sentences that a parameter varies in time, or else that energy is lost within the body.
+
+        The list is empty if neither explains the motion.
+        """
         changes = self.search.changes if self.search else ()
         of_equations = [one for one in changes if one not in READINGS]
         return self._varying([TIMES, *of_equations]) or self.dissipated
 
     @property
     def dissipated(self) -> list[str]:
-        """The sentence that energy is lost within the body; none if it is not."""
+        """A list of the sentence that energy is lost within the body; empty if it is not."""
         return dissipated(self.scenario, self.motion)
 
     @property
     def by_change(self) -> Fit | None:
         """The changes that explain the motion; None if none do.
 
-        If the motion is within a method's error, only changes count that explain it exactly.
+        If the motion is within a method's error, changes count only if they explain it far better:
+        with the exact flow, or with a known integrator.
         """
         return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
 
     def _varying(self, changes: Sequence[Change]) -> list[str]:
-        """Return sentences on a parameter that explains the motion by varying; often none."""
+        """Return sentences on a parameter that varies in time and so explains the motion.
+
+        The list is empty if none does.
+
+        Parameters
+        ----------
+        changes : the changes whose parameters are tried
+        """
         if self.intervals is None or (self.is_of_method and not self.is_beyond):
             return []
         found = varying(self.intervals, changes, len(changes))
@@ -358,17 +384,17 @@ class Physics:
 
     @property
     def _of_motion(self) -> list[Change]:
-        """The changes of `search`, but for fitted ones of readings and of kinematics.
+        """The changes in `search` that do not look like a method's error about a steady axis.
 
-        If a body turns about a steady axis, the error of any method looks like a fitted change of
-        kinematics.
+        All are included but those that have parameters, and concern how states are read, or how the
+        attitude follows from ω.
         """
         changes = self.search.changes if self.search else ()
         return [one for one in changes if not (len(one.scales) and is_of_turning(one))]
 
     @property
     def _within_error(self) -> Fit | None:
-        """The changes that explain what methods' errors leave of the residuals; None if none do."""
+        """The change, or pair, that explains the motion together with methods' errors; or None."""
         if self.intervals is None or self.search is None:
             return None
         orders, every = range(1, self.order + 1), self._of_motion
@@ -377,7 +403,7 @@ class Physics:
 
     @cached_property
     def found(self) -> Fit | None:
-        """The change, or pair of changes, that best explains the motion; None if none does."""
+        """The change, or pair of changes, that explains the motion best; None if none does."""
         if self.search is None or self.intervals is None:
             return None
         found = self.search.one_or_two()
@@ -390,7 +416,7 @@ class Physics:
         return other if other.mean_square < SAME**2 * residual_square else found
 
     def _is_partial(self, found: Fit) -> bool:
-        """Whether the residuals of a fit exceed a method's error, and are no known integrator's."""
+        """Return whether neither a method's error nor a known integrator explains the residuals."""
         if self.search is None or self.intervals is None:
             return False
         is_beyond = self.search.exceed_noise(found.residuals)
@@ -398,16 +424,16 @@ class Physics:
 
     @property
     def is_open(self) -> bool:
-        """Whether changes, clamps and integrators leave more than a method's error unexplained."""
+        """Whether more than a method's error is left by changes, clamps, and known integrators."""
         if not self.is_beyond or self.clamps or self.made_by or self.apparent_order:
             return False
         return self.found is None or self._is_partial(self.found)
 
     @property
     def is_unexplained(self) -> bool:
-        """Whether differences from the exact flow are unexplained, even within a method's error.
+        """Whether differences from the exact flow are unexplained, be they large or small.
 
-        Differences within that error are explained if they look like the error of a method.
+        Differences that are smaller than a method's error are explained if they look like one.
         """
         if self.is_beyond or self.clamps or self.made_by:
             return self.is_open
@@ -415,39 +441,40 @@ class Physics:
 
     @property
     def is_all(self) -> bool:
-        """Whether changes explain the motion from sample to sample to within noise."""
+        """Whether the changes in `found` leave no more than noise."""
         return self.found is not None and self.after(self.found).is_of_noise
 
     @property
     def is_open_or_turning(self) -> bool:
-        """Whether `is_open`, or whether one of two changes found concerns readings or kinematics.
+        """Whether `is_open`, or whether one of the two changes in `found` may be a mistake.
 
-        Such a change may be a mistake in recording instead, beside the other change.
+        A change of how states are read, or of how the attitude follows from ω, may be a mistake in
+        recording instead, which would leave only the other change.
         """
         changes = self.found.changes if self.found and not self.made_by else ()
         return self.is_open or (len(changes) > 1 and any(is_of_turning(one) for one in changes))
 
     @property
     def is_of_equations(self) -> bool:
-        """Whether changes of the equations alone explain the motion, without any of readings."""
+        """Whether changes explain the motion, none of which concerns how states are read."""
         found = None if self.clamps else self.by_change
         return found is not None and not {*READINGS} & {*found.changes}
 
     @property
     def is_of_reading(self) -> bool:
-        """Whether the changes that explain the motion all concern readings or kinematics."""
+        """Whether all changes in `found` concern how states are read or how attitude follows ω."""
         changes = self.found.changes if self.found else ()
         return bool(changes) and all(is_of_turning(one) for one in changes)
 
     @cached_property
     def clamps(self) -> list[Clamp]:
-        """The clamps of ω that explain the motion, the likeliest first; often none."""
+        """The clamps of ω that explain the motion, in the order of `CLAMPS`; often none."""
         of_method = float(self.intervals.scale[:, 3:].max()) if self.intervals else np.inf
         of_noise = CERTAIN * float(self.noise[1])
         return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))
 
     def _in_words(self, found: Fit) -> list[str]:
-        """Return sentences on the changes that a fit found, and on what explains its residuals."""
+        """Return sentences on the changes that a fit found, and on what explains the residuals."""
         words, rest = sentences(found), self.after(found)
         if rest.is_of_noise:
             return words
@@ -460,17 +487,17 @@ class Physics:
         if more := rest.by_other_equations:
             return [*words, *rest._in_words(more)]
         more = rest._within_error
-        # The same change once more only corrects its parameters for a method's error.
+        # A change that was found before only corrects its parameters for a method's error.
         forms = {one.form for one in found.changes}
         if more and not any(one.form in forms for one in more.changes):
             return [*words, *sentences(more)]
         return [*words, *rest._varying(self._of_motion)]
 
     def _of_lower_order(self, found: Fit) -> list[str]:
-        """Return the sentences on changes, and on a method of lower order than stated; often none.
+        """Return sentences on the changes of a fit, and on a method of lower order than stated.
 
-        The changes of a fit are fitted again, together with the errors of methods of each lower
-        order, until these together explain the motion.
+        The changes are fitted again, together with the errors of methods of each lower order, until
+        these together explain the motion. The list is empty if they never do.
         """
         if self.intervals is None or self.timestep is None:
             return []
@@ -481,9 +508,9 @@ class Physics:
         return []
 
     def _unexplained(self, rest: FloatArray) -> list[str]:
-        """Return the sentence that a part of the difference is unexplained.
+        """Return a list of the sentence that part of the difference is not explained.
 
-        The list is empty if noise and a method's error explain the residuals.
+        It is empty if noise and a method's error explain the residuals.
 
         Parameters
         ----------

@@ -1,7 +1,7 @@
-"""Finds how a recorded attitude was computed, if only the recorded ω is the exact motion's.
+"""Finds out how a wrong attitude was computed, if the recorded ω is that of the exact motion.
 
-As no method integrates ω exactly and the attitude wrongly, the attitude was filtered, interpolated
-or recorded in another way.
+No method integrates ω exactly and the attitude wrongly. So the attitude was filtered or
+interpolated after it was computed.
 """
 
 from collections.abc import Iterator
@@ -15,17 +15,23 @@ from ...explaining.search import LEFT, SAME
 from ..samples.clamps import TINY
 from ..samples.missing import is_attitude_off, turned_off
 
-#: Least number of samples that show how the attitude was computed.
+#: Least number of samples that tell how the attitude was computed.
 FEWEST = 8
-#: Largest number of samples from one recorded attitude to the next, if others are interpolated.
+#: Largest number of sampling periods between two attitudes that are not interpolated.
 MOST_BETWEEN = 60
 
 
 def attitude_read(motion: Trajectory, exact: Trajectory) -> list[str]:
-    """Return in words how a wrong attitude was computed, if the recorded ω is right.
+    """Return a sentence on how a wrong attitude was computed, if the recorded ω is right.
 
-    The list is empty if ω is wrong, too, or if no known way explains the attitude. Both motions
-    have the same times.
+    Parameters
+    ----------
+    motion, exact : the recorded motion, and the exact one at the same times
+
+    Returns
+    -------
+    A list of one sentence. It is empty if the attitude is right, if ω is wrong, too, if there are
+    too few samples, or if no known way explains the attitude
     """
     if len(motion.t) < FEWEST or not is_attitude_off(motion, exact):
         return []
@@ -40,12 +46,16 @@ def attitude_read(motion: Trajectory, exact: Trajectory) -> list[str]:
 def _explanations(
     t: FloatArray, q: FloatArray, q_exact: FloatArray
 ) -> Iterator[tuple[str, FloatArray]]:
-    """Yield ways to compute attitudes from exact ones, in words, and the results, (n, 4).
+    """Yield ways in which the recorded attitudes may have been computed from the exact ones.
 
     Parameters
     ----------
-    t : s, (n,)
+    t : times of the samples, s, (n,)
     q, q_exact : the recorded and the exact attitudes, scalar first, (n, 4)
+
+    Yields
+    ------
+    A sentence on the way, and the attitudes computed in that way, (n, 4)
     """
     remaining, steps = rotation_vectors(q[:-1], q_exact[1:]), rotation_vectors(q[:-1], q[1:])
     weight = float(np.sum(remaining * steps) / max(np.sum(remaining**2), TINY))

@@ -1,7 +1,7 @@
-"""Finds how a recorded ω was computed from the body's, if only the attitudes obey the equations.
+"""Finds out how a wrong ω was recorded, if the attitudes obey the equations of motion.
 
-The equations of motion lead from one attitude to the next with one ω only: the body's. The recorded
-ω may be the body's after a clamp, a linear filter or a sensor's errors.
+Only with one ω, the body's own, do the equations lead from an attitude to the next one. The
+recorded ω may be the body's ω after a clamp, a linear filter or the errors of a sensor.
 """
 
 from collections.abc import Iterator
@@ -25,14 +25,14 @@ from ..samples.sensors import CROSS_AXIS, OF_LOGS, as_read
 from .motion_changes import sentences
 from .other_physics import Physics
 
-#: Number of Newton steps to the ω that leads to the next attitude, and relative step of the finite
-#: differences for the Jacobian.
+#: Number of Newton steps with which the body's ω is found. Step of the finite differences for the
+#: Jacobian, relative to the largest ‖ω‖.
 STEPS, SMALL = 4, 1e-6
-#: Largest number of earlier outputs, and of samples of the body's ω, that a filter weighs.
+#: Largest numbers of earlier outputs, and of samples of the body's ω, that a filter adds up.
 OUTPUTS, INPUTS = 2, 5
-#: Length of the impulse response that is computed of a filter, in samples.
+#: Number of samples of a filter's impulse response that are checked.
 WEIGHTS = 200
-#: Largest number of samples that a mean is taken over.
+#: Largest number of samples in a moving mean.
 MOST_SMOOTHED = 60
 #: Relative tolerance at which samples are evenly spaced.
 EQUAL = 1e-6
@@ -41,14 +41,14 @@ OMEGA = "the attitudes obey the scene's equations, but the recorded ω is not th
 
 @dataclass(frozen=True, eq=False)
 class ReadOmega(Data):
-    """The recorded ω of samples, and the body's ω that it was computed from.
+    """The recorded ω of n samples, to be explained as the body's ω with the errors of a sensor.
 
     Attributes
     ----------
-    t : s, (n,)
+    t : times of the samples, s, (n,)
     body : q, scalar first, and the body's ω, rad/s, body axes, (n, 7)
     read : the recorded ω, rad/s, (n, 3)
-    error : standard deviation of the body's ω, rad/s
+    error : standard deviation of the error of the body's ω, rad/s
     """
 
     t: FloatArray
@@ -57,30 +57,32 @@ class ReadOmega(Data):
     error: float
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """The residuals of ω for H hypotheses, in standard deviations, (H, n, 3)."""
+        """Return the residuals of ω for H hypotheses, in units of `error`, (H, n, 3)."""
         computed = as_read(hypotheses, np.repeat(self.body[None], len(hypotheses), axis=0), self.t)
         return np.asarray((computed[..., 4:] - self.read) / self.error)
 
 
 def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
-    """Return sentences on how the recorded ω differs from the ω that the attitudes imply.
+    """Return sentences on how the recorded ω was computed from the ω that the attitudes imply.
+
+    If no way is found in which it was computed, the sentence is `OMEGA`.
 
     Parameters
     ----------
     physics : the recorded motion, and the equations that its attitudes obey: those of
         `physics.base`, or the scene's if it is None
-    is_explained : whether mistakes of reading ω explain the motion already; if so, only a clamp of
-        ω, or ω by differences of attitudes, is looked for, as either has fewer parameters
+    is_explained : whether errors in reading ω explain the motion already. If so, only two ways are
+        looked for that have fewer parameters: a clamp of ω, and differences of attitudes
 
     Returns
     -------
-    An empty list if the attitudes do not obey the equations, are too far apart or are those of
-    other times, if the recorded ω is that of the attitudes, or if `is_explained` and neither a
-    clamp nor differences explain it
+    The list is empty in any of these cases: the attitudes disobey the equations, are too far apart,
+    or are those of other times; the recorded ω is that of the attitudes; `is_explained` is true,
+    and ω was computed in neither of the two ways
     """
     motion = physics.motion
     turns = norms(physics.exact.omega_body)[:-1] * np.diff(motion.t)
-    # Late attitudes obey the equations as well, but ω is right then.
+    # Attitudes of other times obey the equations as well, but then ω is right.
     is_late = physics.base is None and is_attitude_off(motion, physics.exact)
     if is_late or turns.max() > NEAR:
         return []
@@ -92,7 +94,7 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     read = motion.omega_body[:-1]
     # ω between two attitudes has the errors of both, divided by the time between them.
     attitude = np.hypot(physics.noise[0], physics.intervals.method[:, 0].max())
-    # The deviation of the attitudes from the exact motion bounds their error.
+    # The attitudes' error is no larger than their deviation from the exact motion.
     deviation = turned_off(motion, physics.exact) if physics.base is None else 0.0
     attitude = min(attitude, max(physics.noise[0], deviation))
     error = physics.noise[1] + 2 * attitude / float(np.diff(motion.t).min())
@@ -108,7 +110,7 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
         return []
     body = np.hstack([states[:-1, :4], actual_omega])
     simple = next(_clamped(body, read, error), []) or _differences(motion)
-    # A filter changes ω throughout, and not at a few samples only.
+    # A filter or a sensor's error changes ω at most samples, and not at a few only.
     if simple or is_explained or np.mean(distances**2) <= error**2:
         return simple
     return (
@@ -121,14 +123,15 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
 def _omega_between(
     equations: OtherEquations, states: FloatArray, spans: FloatArray
 ) -> FloatArray | None:
-    """Return the ω with which each attitude leads to the next one, rad/s, body axes, (n - 1, 3).
+    """Return the ω with which the equations lead from each attitude to the next one, (n - 1, 3).
 
-    It is found by Newton's method, from the mean rate of the turn.
+    It is in rad/s, body axes, and is found by Newton's method, which starts from the mean rate
+    between the two attitudes.
 
     Parameters
     ----------
-    states : q, scalar first, and ω, which does not matter, (n, 7)
-    spans : times between them, s, (n - 1,)
+    states : q, scalar first, and an ω that is not used, (n, 7)
+    spans : times between successive states, s, (n - 1,)
 
     Returns
     -------
@@ -157,26 +160,29 @@ def _omega_between(
 
 
 def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[str]]:
-    """Yield each clamp that turns the body's ω into the recorded ω, as a list of one sentence.
+    """Yield a list of one sentence for each clamp that turns the body's ω into the recorded ω.
 
     Parameters
     ----------
     body : q, scalar first, and the body's ω, rad/s, body axes, (n, 7)
     read : the recorded ω, rad/s, (n, 3)
-    error : error of the body's ω, rad/s
+    error : standard deviation of the error of the body's ω, rad/s
     """
     for words, size_of, limited in CLAMPS:
         bound = float(size_of(np.hstack([body[:, :4], read])).max())
         computed = limited(body, bound)[:, 4:]
         deviation, changed = (float(norms(one - computed).max()) for one in (read, body[:, 4:]))
-        # If every sample exceeds the bound, a factor explains them as well.
+        # If the bound is exceeded at all samples, a scale factor explains the recorded ω as well.
         is_clamp = size_of(body).min() < bound and changed > error / LEFT
         if is_clamp and deviation <= max(error, LEFT**2 * changed):
             yield [f"{words} is clamped to {bound:.4g} rad/s"]
 
 
 def _differences(motion: Trajectory) -> list[str]:
-    """Return the sentence that ω is the mean rate between two attitudes, and which; often none."""
+    """Return a list of the sentence that ω is the mean rate between two attitudes, and which ones.
+
+    The list is empty if ω is not.
+    """
     t, q, omega = motion.t, motion.q_world_body_wxyz, motion.omega_body
     rates = rotation_vectors(q[:-1], q[1:]) / np.diff(t)[:, None]
     least = LEFT**2 * float(norms(np.diff(rates, axis=0)).max())
@@ -192,7 +198,7 @@ def _differences(motion: Trajectory) -> list[str]:
 
 
 def _sensor_error(data: ReadOmega) -> list[str]:
-    """Return in words the gyroscope's error that leads from the body's ω to the recorded one."""
+    """Return sentences on the gyroscope's error that explains the recorded ω, if there is one."""
     found = Search(data, (*OF_LOGS, CROSS_AXIS), part=LEFT**2).one()
     return sentences(found) if found else []
 
@@ -200,16 +206,20 @@ def _sensor_error(data: ReadOmega) -> list[str]:
 def _smoothed_or_filtered(
     t: FloatArray, body: FloatArray, read: FloatArray, error: float
 ) -> list[str]:
-    """Return in words which moving mean, or linear filter, of the body's ω the recorded one is.
+    """Return a sentence on the moving mean or linear filter of the body's ω that was recorded.
 
-    A mean is simpler: a filter is preferred only if its residuals are far smaller, and those of the
-    mean exceed rounding.
+    A mean is simpler. A filter is preferred only if its residuals are far smaller, and those of the
+    mean are larger than rounding.
 
     Parameters
     ----------
-    t : s, (n,)
+    t : times of the samples, s, (n,)
     body, read : the body's ω and the recorded one, rad/s, (n, 3)
-    error : error of the body's ω, rad/s
+    error : standard deviation of the error of the body's ω, rad/s
+
+    Returns
+    -------
+    A list of one sentence; empty if neither explains the recorded ω
     """
     deviation = float(np.mean((read - body) ** 2))
     mean, filter_ = (f(t, body, read, error) for f in (_smoothed, _filtered))
@@ -228,7 +238,7 @@ def _smoothed(
 
     Returns
     -------
-    The mean square of the residuals, (rad/s)², and the mean in words; None if none explains ω
+    The mean square of the residuals, (rad/s)², and a sentence on the mean; None if none explains ω
     """
     deviation = float(np.mean((read - body) ** 2))
     for samples in range(2, min(MOST_SMOOTHED, len(read) // 2)):
@@ -247,10 +257,12 @@ def _smoothed(
 class Filter:
     """A linear filter: read(k) = Σ outputs[i] read(k - 1 - i) + Σ inputs[j] body(k - j).
 
+    Here read(k) is its output at sample k, and body(k) the body's ω.
+
     Attributes
     ----------
-    outputs, inputs : weights of earlier outputs, and of the body's ω
-    residual : the mean square of the residuals of the filter, (rad/s)²
+    outputs, inputs : weights of earlier outputs, (k,), and of the body's ω, (m,)
+    residual : mean square of the recorded ω less the filter's output, (rad/s)²
     """
 
     outputs: FloatArray
@@ -259,16 +271,17 @@ class Filter:
 
     @property
     def delay(self) -> float:
-        """The delay of slow changes, in samples: the group delay at frequency zero."""
+        """The group delay at frequency zero, in samples: by this the filter delays slow changes."""
         ages = np.arange(len(self.inputs)) @ self.inputs / self.inputs.sum()
         own = np.arange(1, len(self.outputs) + 1) @ self.outputs / (1 - self.outputs.sum())
         return float(ages + own)
 
     @property
     def is_causal(self) -> bool:
-        """Whether the filter delays, is stable, and has positive weights, as filters of sensors do.
+        """Whether a sensor may have such a filter.
 
-        The impulse response of a filter that overshoots may be somewhat below zero.
+        It must be stable, delay its input, and have no negative sum of `outputs`. Its impulse
+        response must be positive, but may fall somewhat below zero as of a filter that overshoots.
         """
         poles = np.roots([1.0, *-self.outputs])
         if not (self.delay > 0 and self.outputs.sum() >= 0 and (np.abs(poles) < 1).all()):
@@ -282,7 +295,7 @@ class Filter:
 
     @property
     def words(self) -> str:
-        """The filter's formula, in words."""
+        """The formula of the filter's output, in words."""
         before = ["", " a sample before", *(f" {j} samples before" for j in range(2, INPUTS))]
         parts = [(a, f"of itself{when}") for a, when in zip(self.outputs, before[1:], strict=False)]
         parts += [(b, f"of the body's{when}") for b, when in zip(self.inputs, before, strict=False)]
@@ -294,8 +307,12 @@ def _filtered(
 ) -> tuple[float, str] | None:
     """Return the linear filter with the fewest parameters that explains the recorded ω.
 
-    Arguments and results are those of `_smoothed`, for a filter in place of a mean. There is none
-    if samples are not evenly spaced.
+    The arguments are those of `_smoothed_or_filtered`.
+
+    Returns
+    -------
+    The mean square of the residuals, (rad/s)², and a sentence on the filter; None if no filter
+    explains ω, or if samples are not evenly spaced
     """
     spans = np.diff(t)
     if np.ptp(spans) > EQUAL * spans.mean():
@@ -326,12 +343,12 @@ def _filtered(
 
 
 def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Filter:
-    """Fit a filter to all samples that have enough samples before them.
+    """Fit the weights of a filter by least squares, at all samples with enough samples before them.
 
     Parameters
     ----------
     body, read : the body's ω and the recorded one, rad/s, (n, 3)
-    outputs, inputs : how many weights the filter has of its earlier outputs, and of its inputs
+    outputs, inputs : the numbers of weights of earlier outputs, and of inputs
     """
     first = max(outputs, inputs - 1)
     rows = np.arange(first, len(read))
@@ -340,8 +357,8 @@ def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Fi
     A, target = np.array(columns).T, read[rows].ravel()
     parameters: FloatArray = np.linalg.lstsq(A, target, rcond=None)[0].astype(float)
     a, b = parameters[:outputs], parameters[outputs:]
-    # A prediction from recorded outputs matches anything smooth. The residuals are those of the
-    # filter's own outputs.
+    # From recorded outputs a filter predicts anything smooth. So the residuals are computed with
+    # the filter's own earlier outputs.
     computed = [*read[:first]]
     # The outputs of an unstable filter may overflow.
     with np.errstate(over="ignore", invalid="ignore"):

@@ -1,4 +1,4 @@
-"""Finds logs in which only the attitudes, only ω, or each state at another time, is the scene's."""
+"""Finds logs of which only part is the scene's motion: attitude, ω, or all but the times."""
 
 import numpy as np
 from scipy.special import chdtrc, chdtri
@@ -13,9 +13,10 @@ from ..samples.columns import EACH, SATURATES
 from ..samples.digits import where
 from .log import Log
 
-#: Step of the finite difference for rates of change, in sampling periods.
+#: Step of the finite difference for rates of change, in units of the time between samples.
 SMALL = 1e-3
-#: Largest scatter of the rates at which a gyroscope saturates, in standard deviations of noise.
+#: Largest standard deviation of the wrong values of ω if a gyroscope saturates, in standard
+#: deviations of noise.
 SATURATED = 2.0
 #: Sentences that the attitudes alone, or ω alone, are the scene's.
 ATTITUDE_ALONE = "the attitudes are those of the scene, but the recorded ω is not"
@@ -23,14 +24,15 @@ OMEGA_ALONE = "ω is that of the scene, but the attitudes are not"
 
 
 def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
-    """Return the sentence that each state is, within noise, the scene's at another time; or none.
+    """Return a list of the sentence that, within noise, each state is exact but for its time.
 
-    The time of each state is fitted to first order. If noise is not stated, nearly all of the
-    residuals must be along the motion.
+    The list is empty if the states are not those of the exact motion at other times. The time of
+    each state is fitted to first order. If noise is not stated, other times must explain nearly all
+    of the residuals.
 
     Parameters
     ----------
-    unchanged : the residuals of the scene's own equations, in standard deviations of noise, (m,)
+    unchanged : the residuals with the scene's own equations, in standard deviations of noise, (m,)
     """
     (made,) = log.made(log.base[None], log.t)
     step = SMALL * float(np.median(np.diff(log.t)))
@@ -40,7 +42,7 @@ def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
     late = np.sum(slopes * residuals, axis=1) / np.maximum(np.sum(slopes**2, axis=1), TINY)
     remaining = residuals - late[:, None] * slopes
     before, after = float(np.sum(residuals**2)), float(np.sum(remaining**2))
-    # If all states are equally late, single times are not wrong.
+    # If all states are late by about the same time, the times are not uneven.
     is_even = abs(float(np.mean(late))) > float(np.std(late))
     is_noise = is_even or bool(chdtrc(residuals.size, before) > SIGNIFICANCE)
     is_along = bool(chdtrc(residuals.size - len(late), after) > SIGNIFICANCE)
@@ -55,14 +57,14 @@ def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
 
 
 def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
-    """Return a sentence if only one of attitude and ω agrees with the scene within noise.
+    """Return a list of the sentence that only attitude, or only ω, is exact within noise.
 
-    The list is empty otherwise. The sentence names the samples at which the other quantity is wrong
-    if they are fewer than half of all.
+    The list is empty if both or neither are. The sentence names the samples at which the other
+    quantity is wrong if they are fewer than half of all.
 
     Parameters
     ----------
-    unchanged : the residuals of the scene's own equations, in standard deviations of noise, (m,)
+    unchanged : the residuals with the scene's own equations, in standard deviations of noise, (m,)
     """
     if not log.has_omega:
         return []
@@ -89,7 +91,7 @@ def _saturates_at(log: Log, unchanged: FloatArray) -> float:
 
     Parameters
     ----------
-    unchanged : the residuals of the scene's own equations, in standard deviations of noise, (m,)
+    unchanged : the residuals with the scene's own equations, in standard deviations of noise, (m,)
     """
     omega, noise = log.states[:, 4:], log.noise[1]
     residuals = unchanged.reshape(-1, 2, 3)[:, 1]

@@ -1,4 +1,4 @@
-"""Finds the time of a sudden change: the motion is the scene's before, and obeys some law after.
+"""Finds the time at which a motion suddenly changes, until which it is the scene's exact motion.
 
 Examples are a boom that unfolds, a thruster that stops, an impact, or a sensor that is knocked out
 of place.
@@ -18,23 +18,27 @@ from .log import FEWEST, log_of
 from .log_fit import START
 from .measured import Measured
 
-#: Number of samples within which deviations must grow far, at most. A method's error grows slowly.
+#: A sudden change shows within this number of samples, while a method's error grows slowly.
 AT_ONCE = 3
-#: Largest distance, in standard deviations of noise, at which two motions meet.
+#: Largest distance of two motions, in standard deviations of noise, at which they count as equal.
 MEET = 5.0
 
 
 def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
-    """Return when a motion with noise changes, and to which law, in words; often an empty list.
+    """Return sentences on when a motion with noise changes suddenly, and what explains it later.
 
-    The motion is the exact one until χ² of its errors exceeds noise. A law is fitted to the samples
-    after that, and its motion is followed back to where it meets the exact motion. If the two do
-    not meet, the motion jumps.
+    The motion is the exact one until χ² of its errors exceeds noise. The later samples are fitted
+    by themselves, and the fitted motion is followed back in time to where it meets the exact one.
+    If they do not meet, the motion jumps.
 
     Parameters
     ----------
     fit : the fit to all samples
     motion, exact : the recorded and the exact motion, at the same times
+
+    Returns
+    -------
+    An empty list if there is no such change, or if there are too few samples before or after it
     """
     scenario, log = fit.scenario, fit.given
     squares = np.sum(fit.search.unchanged.residuals.reshape(len(motion.t), -1) ** 2, axis=1)
@@ -77,12 +81,13 @@ class Since(NamedTuple):
 
     Attributes
     ----------
-    last, first : index of the last sample that is the exact motion's, and of the sample with which
-        the later motion begins; these are equal if ω was recorded
+    last : index of the last sample that belongs to the exact motion
+    first : index of the first sample that belongs to the later motion; equal to `last` if ω was
+        recorded, and larger if it is computed from attitudes
     is_method : whether the motion has a method's error before the change; else it is exact but for
         rounding
-    off : the largest differences of attitude, rad, and ω, rad/s, from the exact flow over an
-        interval after the change, (2,)
+    off : the largest differences of attitude, rad, and ω, rad/s, from the exact flow over one
+        interval, of all intervals after the change, (2,)
     """
 
     last: int
@@ -94,14 +99,14 @@ class Since(NamedTuple):
 def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | None:
     """Return the sudden change of a motion without noise; None if there is none.
 
-    Before the change, the differences from the exact flow over each interval are within rounding,
-    or within a method's error; at the change they become far larger at once.
+    Before the change the differences from the exact flow, over one interval each, are within
+    rounding, or within a method's error. At the change they become far larger at once.
 
     Parameters
     ----------
     data : all intervals of the motion
-    least : bounds of the rounding of attitude, rad, and ω, rad/s, (2,)
-    reach : number of samples on each side from which ω is computed; 0 if it was recorded
+    least : bounds on differences by rounding, of attitude, rad, and ω, rad/s, (2,)
+    reach : the number of samples on each side from which ω is computed; 0 if ω was recorded
     """
     off = norms(data.apart(data.base).reshape(-1, 3)).reshape(-1, 2)
     inner = slice(reach, len(off) - reach)
@@ -114,6 +119,7 @@ def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | Non
         soon = each[last : first + AT_ONCE]
         is_at_once = soon.max() > max(1 / LEFT, LEFT**2 * each.max())
         if min(last, len(each) - first) >= FEWEST and is_at_once:
-            # A computed ω depends on samples so far on each side.
+            # A computed ω is wrong already at `reach` samples before the change, and still is as
+            # many after it.
             return Since(first, first + reach, is_method, off[last + reach :].max(axis=0))
     return None

@@ -1,4 +1,4 @@
-"""Finds how a scene's start was misread, where the first sample is not the exact one."""
+"""Finds out why the first sample is not the exact one, such as a misread start of the scene."""
 
 from collections.abc import Iterator, Sequence
 
@@ -23,14 +23,15 @@ CONVENTIONS = ("ZYX", "XYZ", "ZXZ", "ZXY", "YXZ", "zyx", "xyz", "zyz")
 
 
 def elsewhere(physics: Physics) -> list[str]:
-    """Return how the first sample differs from the exact motion, in words.
+    """Return a sentence on how the first sample deviates from the exact motion.
 
-    The deviation is compared, by an F-test, with the deviations from the exact flow over later
-    intervals, and with a bound of the method's error since the scene's start.
+    The deviation counts only if it exceeds a bound of the method's error since the scene's start.
+    By an F-test it must also be significantly larger than the deviations of later samples from the
+    exact flow that starts in the sample before each of them.
 
     Returns
     -------
-    One sentence; none unless the deviation exceeds both
+    A list of one sentence; empty if the deviation does not count
     """
     scenario, exact, motion = physics.scenario, physics.exact, physics.motion
     of_method = error_at_first_sample(scenario, motion.t, physics.timestep, physics.order)
@@ -44,7 +45,8 @@ def elsewhere(physics: Physics) -> list[str]:
         return []
     attitudes = apart(states_of(exact.until(2)), states_of(motion.until(2)))[:, :3]
     if norms(deviations)[0] <= least[0] and norms(attitudes[1:])[0] <= least[0]:
-        # The second attitude is right, so the first ω was: only the recorded one is wrong.
+        # The first two attitudes are right, and so was the body's first ω. Only the recorded ω is
+        # wrong.
         return [OMEGA]
     start = states_of(exact.until(1))
     words = "" if exact.t[0] else _misread_start(scenario, states_of(motion.until(1))[0])
@@ -53,7 +55,9 @@ def elsewhere(physics: Physics) -> list[str]:
 
 
 def _at_another_time(scenario: Scenario, start: FloatArray, deviations: FloatArray) -> str:
-    """Return in words that ω at the first sample is that of another time; empty if it is not.
+    """Return the sentence that ω at the first sample is the exact ω at another time.
+
+    The text is empty if there is no such time.
 
     Parameters
     ----------
@@ -81,11 +85,12 @@ def _at_another_time(scenario: Scenario, start: FloatArray, deviations: FloatArr
 
 
 def started_elsewhere(at: float, deviations: Sequence[float] | FloatArray) -> str:
-    """Return in words by how much attitude and ω deviate at a time, s.
+    """Return the sentence that a motion started in another state than the scene states.
 
     Parameters
     ----------
-    deviations : sizes of the deviations of attitude, rad, and ω, rad/s, (2,)
+    at : time of the first sample, s
+    deviations : sizes of the deviations of attitude, rad, and ω, rad/s, at that time, (2,)
     """
     turned, faster = (0.0 if size < FITS else float(size) for size in deviations)
     return (
@@ -95,7 +100,7 @@ def started_elsewhere(at: float, deviations: Sequence[float] | FloatArray) -> st
 
 
 def _misread_start(scenario: Scenario, first: FloatArray) -> str:
-    """Return in words how a scene's start was misread; empty if no known mistake explains it.
+    """Return a sentence on how a scene's start was misread; empty if no known mistake explains it.
 
     Parameters
     ----------
@@ -117,7 +122,10 @@ def _misread_start(scenario: Scenario, first: FloatArray) -> str:
 
 
 def _attitudes(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
-    """Yield words, and a scene's first attitude, scalar first, (4,): as it is, then as misread."""
+    """Yield the attitude of a scene's start, scalar first, (4,): as it is, then as misread.
+
+    Each attitude comes after words on how it was misread, which are empty for the first.
+    """
     q_wxyz, angles = scenario.start.q_world_body_wxyz, scenario.document.start.euler_zyz_deg
     yield "", q_wxyz
     yield "its attitude is that of the world in the body", conjugate(q_wxyz)
@@ -132,7 +140,10 @@ def _attitudes(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _rates(scenario: Scenario) -> Iterator[tuple[str, FloatArray]]:
-    """Yield words, and a scene's first ω, rad/s, body axes, (3,): as it is, then as misread."""
+    """Yield the ω of a scene's start, rad/s, body axes, (3,): as it is, then as misread.
+
+    Each ω comes after words on how it was misread, which are empty for the first.
+    """
     omega, R_world_body = scenario.start.omega_body, matrix(scenario.start.q_world_body_wxyz)
     yield "", omega
     yield "its ω along world axes is taken to be along body axes", R_world_body @ omega

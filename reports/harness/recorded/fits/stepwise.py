@@ -1,7 +1,8 @@
-"""Stepwise regression: the set of changes that the samples of a measured motion call for.
+"""Finds the set of changes that a measured motion calls for, by stepwise regression.
 
-Noise hides what each change explains by itself, so that changes are added, left out and exchanged
-until no such step improves the fit.
+A change (`Change`) is one of the equations of motion, or of how states are read. Noise hides what
+each change explains by itself. So changes are added, removed and replaced until no such step
+improves the fit.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,32 +16,34 @@ from ...explaining.fit import RANK, Data, Fit, Trial, linear, mean_square
 from ...explaining.hypothesis import Change
 from ...explaining.search import PROMISING, Search
 
-#: How many trials are fitted in each step of a regression: the best if linearised.
+#: The number of additions or replacements that are fitted in each step of a regression: those that
+#: are best when linearised.
 LIKELIEST = 3
 
 
 @dataclass(frozen=True, eq=False)
 class Stepwise(Search):
-    """A search by stepwise regression.
+    """A search for the changes that data call for, by stepwise regression.
 
     Attributes
     ----------
-    usual : the changes that such data often call for, and that therefore count as simpler
+    usual : the changes that such data often call for. They count as simpler than others with as
+        many parameters
     """
 
     usual: Sequence[Change] = ()
 
     def from_first_samples(self, most: int, kept: tuple[Change, ...] = ()) -> Fit:
-        """The best set of changes by stepwise regression on more and more of the data.
+        """Return the fit of the best set of changes, by regression on more and more of the data.
 
         The regression begins with the first samples, where the motion is nearly linear in the
-        parameters, and goes on from the changes and parameters that explain them. It ends where
-        residuals are so large that no parameters mean anything.
+        parameters, and goes on from the changes and parameters that explain them. It is given up if
+        residuals become so large that the parameters mean nothing.
 
         Parameters
         ----------
-        most : how many changes there may be
-        kept : changes to begin with, which may be left out only once all data are used
+        most : the largest number of changes
+        kept : changes to begin with. They may be removed only when all data are fitted
         """
         fit = Trial(self.data.beginnings[0], kept).fit()
         for data in self.data.beginnings:
@@ -51,14 +54,15 @@ class Stepwise(Search):
         return fit
 
     def stepwise(self, fit: Fit, most: int, kept: tuple[Change, ...] = ()) -> Fit:
-        """The best set of changes by stepwise regression, which begins with the changes of a fit.
+        """Return the fit of the best set of changes, by regression that starts from another fit.
 
-        In each step a change is added, left out, or takes the place of another, whichever improves
-        the score most.
+        In each step a change is added, removed or replaced, whichever improves the score most.
 
         Parameters
         ----------
-        most, kept : as in `from_first_samples`
+        fit : the fit from whose changes and parameters the regression starts
+        most : the largest number of changes
+        kept : changes that are not removed
         """
         while True:
             one_less = [one for one in _without(fit.changes, 1) if set(kept) <= set(one)]
@@ -70,14 +74,15 @@ class Stepwise(Search):
             fit = best
 
     def _others(self, fit: Fit, subsets: Sequence[tuple[Change, ...]], most: int) -> Iterator[Fit]:
-        """Fits of one more change together with some or all of the changes of a fit.
+        """Yield fits of one further change together with all or some of the changes of a fit.
 
-        Only the `LIKELIEST` that, linearised, improve the score most are fitted.
+        At most `LIKELIEST` are yielded: those that improve the score most when linearised.
 
         Parameters
         ----------
-        subsets : all changes of the fit, then the subsets of them to which a change is added
-        most : how many changes there may be
+        subsets : sets of changes to which one is added: all changes of the fit, then subsets of
+            them
+        most : the largest number of changes
         """
         trials: list[tuple[float, Trial]] = []
         others = [one for one in self.changes if one not in fit.changes]
@@ -91,10 +96,10 @@ class Stepwise(Search):
         yield from (one.fit(fit) for score, one in trials[:LIKELIEST] if score > self.score(fit))
 
     def simplified(self, fit: Fit, but: Change) -> Fit:
-        """The fit, or a simpler one that the Bayesian information criterion prefers.
+        """Return a fit, or a simpler one that the Bayesian information criterion prefers.
 
-        In a simpler fit one change takes the place of another, or of two (G. Schwarz, Ann. Statist.
-        6 (1978) 461).
+        In a simpler fit one change replaces another one, or two others. The criterion is that of G.
+        Schwarz, Ann. Statist. 6 (1978) 461.
 
         Parameters
         ----------
@@ -107,12 +112,12 @@ class Stepwise(Search):
         return fit if best is fit else self.simplified(best, but)
 
     def _simpler(self, fit: Fit, kept: tuple[Change, ...]) -> list[Fit]:
-        """Fits of the changes `kept` and one other change, simpler than a given fit; often none.
+        """Return fits of the changes `kept` and one other, that are simpler than a given fit.
 
-        The data in `Data.beginnings` are taken in turn, until the given fit explains them
-        significantly better than the changes `kept` do alone. The changes that are promising in
-        these data, as `_promising` says, are fitted to them and to all later ones. A fit is dropped
-        as soon as the given fit explains the data significantly better.
+        The parts of the data in `Data.beginnings` are taken in turn, until the given fit explains
+        one significantly better than the changes `kept` do alone. The other changes that are
+        promising there, by `_promising`, are fitted to this part and to all later ones. A fit is
+        dropped as soon as the given fit explains a part significantly better. Often none is left.
         """
         room = self._complexity(fit.changes) - self._complexity(kept)
         others = [one for one in self.changes if one not in fit.changes]
@@ -131,11 +136,11 @@ class Stepwise(Search):
         return fits or []
 
     def _promising(self, alone: Fit, fit: Fit, others: Sequence[Change]) -> Iterator[Fit]:
-        """Fits of the changes of `alone` together with each promising one of some other changes.
+        """Yield fits of the changes of `alone` together with each promising one of `others`.
 
-        A change is promising if, linearised, it reduces the excess of the mean square of `alone`
-        over that of `fit` to the fraction `PROMISING`² or less. The parameters start from those of
-        `alone` or of `fit`, whichever gives the larger reduction.
+        The mean square of the residuals of `alone` exceeds that of `fit`. A change is promising if,
+        linearised, it reduces this excess to the fraction `PROMISING`² or less. Its fit starts from
+        the parameters of `alone` or of `fit`, whichever leave less.
         """
         enough = fit.mean_square + PROMISING**2 * (alone.mean_square - fit.mean_square)
         starts = alone, fit
@@ -147,39 +152,43 @@ class Stepwise(Search):
                 yield Trial(self.data, (*alone.changes, other)).fit(start)
 
     def _complexity(self, changes: Sequence[Change]) -> int:
-        """The number of parameters of changes, plus one for each change that is not in `usual`."""
+        """Return the number of parameters of changes, plus one for each change not in `usual`."""
         return sum(len(one.scales) + (one not in self.usual) for one in changes)
 
     def _information(self, fit: Fit) -> float:
-        """The Bayesian information criterion of a fit, up to a constant; the least is best."""
+        """Return the Bayesian information criterion of a fit, less a constant; least is best."""
         count = fit.residuals.size / self.data.correlated
         decrease = self.data.chi2_decrease(self.unchanged.residuals, fit.residuals)
         return self._complexity(fit.changes) * float(np.log(count)) - decrease
 
     def score(self, fit: Fit) -> float:
-        """The decrease of χ² by the changes of a fit, less that by chance, less the prior's χ²."""
+        """Return how much better a fit is than one without changes; the largest score is best.
+
+        It is the decrease of χ², less the largest decrease by chance, less χ² of the prior.
+        """
         decrease = self.data.chi2_decrease(self.unchanged.residuals, fit.residuals)
         of_prior = float(np.sum(self.data.prior_residuals(fit.hypothesis[None]) ** 2))
         return decrease - self._penalty(fit.changes) - of_prior
 
     def _penalty(self, changes: Sequence[Change]) -> float:
-        """The largest decrease of χ² that these changes make by chance alone, added up."""
+        """Return the sum of the largest decreases of χ² that changes make by chance alone."""
         return sum(self._critical(len(change.scales)) for change in changes)
 
 
 def residuals_if_linear(
     data: Data, before: Fit, kept: tuple[Change, ...], others: Sequence[Change]
 ) -> FloatArray:
-    """The residuals after a fit of `kept` and each of M other changes, to first order, (M, m).
+    """Return the residuals with the changes `kept` and each of M others, to first order, (M, m).
 
     They are in units of their standard deviation. No fit is made, as in the score test (C. R. Rao,
-    Math. Proc. Camb. Philos. Soc. 44 (1948) 50): the changes that are kept keep the derivatives of
-    the earlier fit.
+    Math. Proc. Camb. Philos. Soc. 44 (1948) 50). The derivatives by the parameters of `kept` are
+    those of an earlier fit.
 
     Parameters
     ----------
     before : the earlier fit
-    kept : the changes of that fit to which each of the others is added
+    kept : some or all changes of the earlier fit
+    others : the M changes, of which one at a time is added to `kept`
     """
     each = linear(data, Trial(data, kept).at(before), others)
     columns = [before.jacobian[:, before.columns(one)] for one in kept]
@@ -189,12 +198,12 @@ def residuals_if_linear(
     left = np.array([one.residuals for one in each]).reshape(len(each), len(before.residuals))
     left -= left @ basis @ basis.T
     counts = np.array([one.jacobian.shape[1] for one in each])
-    # The changes with equally many parameters together, as each takes less time than a call.
+    # Changes with equally many parameters are computed together, which saves calls of numpy.
     for count in np.unique(counts[counts > 0]):
         at = np.flatnonzero(counts == count)
         jacobians = np.stack([each[k].jacobian for k in at])
         beside = jacobians - basis @ (basis.T @ jacobians)
-        # What the kept changes explain as well has no direction of its own.
+        # A parameter that the changes `kept` can replace is left out.
         own = np.linalg.norm(beside, axis=1) > RANK * np.linalg.norm(jacobians, axis=1)
         directions, sizes, _ = np.linalg.svd(beside * own[:, None], full_matrices=False)
         directions *= (sizes > RANK * sizes[:, :1])[:, None]
@@ -203,5 +212,5 @@ def residuals_if_linear(
 
 
 def _without(changes: tuple[Change, ...], count: int) -> list[tuple[Change, ...]]:
-    """All subsets of changes in which `count` of them are left out; none if there are fewer."""
+    """Return all subsets of changes that lack `count` of them; none if there are fewer changes."""
     return [*combinations(changes, len(changes) - count)] if len(changes) >= count else []

@@ -1,6 +1,6 @@
-"""Finds a parameter of the equations that changes in time, as that of a torque that comes late.
+"""Finds a parameter of the equations that varies in time, such as a torque that sets in late.
 
-The parameter is fitted to each interval of a recording by itself.
+The parameter is fitted to each interval between two samples by itself.
 """
 
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ from ..samples.intervals import Intervals
 
 #: Number of iterations of a fit.
 STEPS = 3
-#: A change is fitted further if an iteration leaves at most this fraction of the mean square of the
-#: residuals without it; and the most changes that are named if they explain a motion equally well.
+#: The fit of a change is continued if an iteration leaves at most this fraction of the mean square
+#: of the residuals. The most changes that are named if they explain a motion equally well.
 PROMISING, MOST_ALIKE = 0.5, 2
 #: Least correlation of ranks with time at which a parameter is said to be monotonic.
 ONE_WAY = 0.9
@@ -28,12 +28,14 @@ OWN = 1e-3
 
 
 class Varying(NamedTuple):
-    """A parameter that explains a motion by changing in time.
+    """A parameter of the equations that explains a motion because it varies in time.
 
     Attributes
     ----------
-    words : the sentence on how it changes; if two parameters explain the motion, on either
-    rest : the residuals of S intervals with it, in units of `Intervals.scale`, (S, 6)
+    words : a sentence on how it varies. If several parameters explain the motion equally well, the
+        sentence says how each of them would vary
+    rest : the residuals of S intervals with the best parameter, in units of `Intervals.scale`,
+        (S, 6)
     """
 
     words: str
@@ -41,22 +43,23 @@ class Varying(NamedTuple):
 
 
 def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying | None:
-    """Return the parameter that explains a motion by changing in time; None if none does.
+    """Return the parameter that explains a motion because it varies in time; None if none does.
 
     It is also None if more than `MOST_ALIKE` parameters explain the motion equally well.
 
     Parameters
     ----------
-    changes : only those with one parameter are tried
-    among : how many changes have been tried before, for Bonferroni's correction
+    data : the intervals of the motion
+    changes : changes of the equations, of which those with exactly one parameter are tried
+    among : the number of changes that have been tried before, for Bonferroni's correction
     """
     single = [one for one in changes if len(one.scales) == 1]
     (unchanged,) = data.deviations(data.base[None])
     count = unchanged.size
     enough = max(largest_of_noise(count), LEFT**2 * float(np.mean(unchanged**2)))
     by_chance = float(chdtri(len(unchanged), SIGNIFICANCE / (among + len(single))))
-    # Neither a method's error nor chance lets one parameter explain all six residuals of each
-    # interval so well.
+    # One parameter cannot explain all six residuals of each interval so well by chance, nor if they
+    # are a method's error.
     exactly = SAME**2 * float(np.mean(unchanged**2))
     parts = [data.rows([k]) for k in range(len(unchanged))]
     found = []
@@ -78,17 +81,19 @@ def varying(data: Intervals, changes: Sequence[Change], among: int) -> Varying |
 def _fit(
     data: Intervals, parts: Sequence[Intervals], change: Change, unchanged: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Fit the parameter of a change to each interval by itself.
+    """Fit the one parameter of a change to each interval by itself.
+
+    The iteration is given up as soon as the residuals are too large, by `PROMISING`.
 
     Parameters
     ----------
     parts : the S intervals of `data`, one by one
+    change : a change with one parameter
     unchanged : the residuals without the change, (S, 6)
 
     Returns
     -------
-    The parameters, (S,), and the residuals with them, (S, 6); those of the first iteration that
-    leaves too large residuals, if there is one
+    The parameters of the last iteration, (S,), and the residuals with them, (S, 6)
     """
     numbers, size = np.zeros(len(parts)), float(change.scales[0])
     rest, stepped = _clip(data.deviations(change.around(data.base)))
@@ -103,14 +108,17 @@ def _fit(
 
 
 def _residuals(parts: Sequence[Intervals], change: Change, numbers: FloatArray) -> FloatArray:
-    """Return the residuals, (S, 6), of each interval with its own parameter in `numbers`, (S,)."""
+    """Return the residuals of S intervals, (S, 6), each with its own parameter of `numbers`, (S,).
+
+    The intervals are given one by one in `parts`.
+    """
     each = change.apply(parts[0].base.repeated(len(parts)), numbers[:, None])
     residuals = [part.deviations(each[[k]])[0] for k, part in enumerate(parts)]
     return _clip(np.vstack(residuals))
 
 
 def _clip(residuals: FloatArray) -> FloatArray:
-    """Return residuals, limited to ± `NOT_FINITE`, which also stands for nan."""
+    """Return residuals, limited to ± `NOT_FINITE`, with `NOT_FINITE` in place of nan."""
     return np.clip(np.nan_to_num(residuals, nan=NOT_FINITE), -NOT_FINITE, NOT_FINITE)
 
 

@@ -1,8 +1,8 @@
 """Finds changes that explain a motion together with a method's error, however large that error is.
 
-But for the next term of its series, a method's error is a combination of elementary differentials
-(`leading_error.py`). What is left of the residuals after a fit of these is compared with the size
-of that next term alone.
+A change (`Change`) is one of the equations, or of how states are read. The leading term of a
+method's error is a combination of elementary differentials (`leading_error.py`), which are fitted
+to the residuals. What this fit leaves may be as large as the next term of the error.
 """
 
 from collections.abc import Sequence
@@ -18,19 +18,20 @@ from ..samples.intervals import Intervals, root_mean_squares
 from ..samples.mistakes import FITS
 from .leading_error import LARGEST, leading_errors
 
-#: Factor by which the errors of methods that are fitted once changes are made may exceed the size
-#: that was assumed of them to find the changes.
+#: A size of methods' errors is assumed to find changes. The errors that are fitted beside these
+#: changes may be larger by this factor.
 ROOM = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class BesideMethods(Data):
-    """Intervals in which the leading errors of methods count like noise of a known size.
+    """S intervals in which the leading errors of methods count like noise of a known size.
 
     Attributes
     ----------
-    directions : orthonormal columns that span these errors, (6 S, n)
-    sizes : standard deviations of the errors along each column, in units of the intervals' scale,
+    intervals : the intervals, whose scale is that of all other errors
+    directions : orthonormal columns that span the leading errors of methods, (6 S, n)
+    sizes : standard deviations of these errors along each column, in units of `intervals.scale`,
         (n,)
     """
 
@@ -40,11 +41,12 @@ class BesideMethods(Data):
 
     @staticmethod
     def of(intervals: Intervals, errors: FloatArray) -> "BesideMethods":
-        """Return the intervals with errors of methods that have coefficients up to `LARGEST`.
+        """Return S intervals with leading errors of methods.
 
         Parameters
         ----------
-        errors : the errors with coefficients of one, rad and rad/s, (k, S, 6)
+        errors : the errors by each of k elementary differentials with a coefficient of one, rad and
+            rad/s, (k, S, 6); the coefficients are taken to have standard deviations of `LARGEST`
         """
         columns = (LARGEST * errors / intervals.scale).reshape(len(errors), -1).T
         directions, sizes, _ = np.linalg.svd(columns, full_matrices=False)
@@ -52,13 +54,14 @@ class BesideMethods(Data):
 
     @property
     def correlated(self) -> float:
-        """How many residuals count as one in χ²: as many as in `intervals`."""
+        """The number of residuals that count as one in χ², which is that of `intervals`."""
         return self.intervals.correlated
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """The residuals of H hypotheses, as in `Data`, (H, S, 6).
+        """Return the residuals of H hypotheses, (H, S, 6).
 
-        They are in units of the intervals' scale and the errors of methods together.
+        Along `directions` they are in units of `intervals.scale` and `sizes` together, otherwise in
+        units of `intervals.scale` alone.
         """
         each = self.intervals.deviations(hypotheses)
         flat = each.reshape(len(hypotheses), -1)
@@ -74,16 +77,19 @@ def within_error(
     timestep: float | None,
     next_term: float,
 ) -> Fit | None:
-    """Return the change, or pair, that explains what methods' errors leave of residuals; or None.
+    """Return the change, or pair, that explains a motion together with methods' errors; or None.
 
-    A fit counts only if the errors of methods beside it are about as large as was assumed.
+    Several sizes of these errors are assumed in turn. A fit counts only if the errors that are then
+    fitted beside it are no larger than assumed, but for a factor of `ROOM`.
 
     Parameters
     ----------
+    data : the intervals of the motion
+    changes : the changes that are tried
     most : the most parameters of a fit
-    orders, timestep : orders of the methods that may have computed the motion, and their timestep,
-        s; None if unknown
-    next_term : the next term of a method's error, relative to the leading one
+    orders : orders of the methods that may have computed the motion
+    timestep : timestep of these methods, s; None if unknown
+    next_term : size of the next term of a method's error, relative to the leading term
     """
     errors = leading_errors(data, orders, timestep)
     for size in _sizes(data, errors, changes):
@@ -98,16 +104,18 @@ def within_error(
 def refitted(
     data: Intervals, found: Fit, order: int, timestep: float | None, next_term: float
 ) -> Fit | None:
-    """Return a fit of the same changes together with the errors of methods of an order.
+    """Fit changes again, together with the leading errors of methods of one order of accuracy.
 
     Parameters
     ----------
+    data : the intervals of the motion
     found : a fit of the changes alone
-    order, timestep, next_term : as in `within_error`
+    order, timestep : order of the methods, and their timestep, s; None if unknown
+    next_term : size of the next term of a method's error, relative to the leading term
 
     Returns
     -------
-    None if the residuals exceed the next term of these errors
+    The fit; None if its residuals exceed the next term of these errors
     """
     of_changes = replace(data, base=found.hypothesis)
     errors = leading_errors(of_changes, [order], timestep)
@@ -125,18 +133,18 @@ def _beside(
     next_term: float,
     size: FloatArray,
 ) -> tuple[Fit | None, FloatArray]:
-    """Return the change, or pair, that explains what methods' errors of some size leave.
+    """Return the change, or pair, that explains a motion together with methods' errors of one size.
 
     Parameters
     ----------
     errors : the errors with coefficients of one, rad and rad/s, (k, S, 6)
-    most, next_term : as in `within_error`
-    size : size of methods' errors if there is no change, rad and rad/s, (2,). If these errors are
-        far smaller with some change, that smaller size is used
+    most, next_term : see `within_error`
+    size : assumed size of methods' errors, rad and rad/s, (2,). If far smaller errors fit beside
+        some change, that smaller size is assumed instead
 
     Returns
     -------
-    The fit, None if no change explains the residuals, and the size that was used, (2,)
+    The fit, or None if no change explains the motion; and the size that was assumed last, (2,)
     """
     while True:
         with_next_term = data.with_error(np.maximum(next_term * size, FITS))
@@ -156,10 +164,10 @@ def _beside(
 
 
 def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> list[FloatArray]:
-    """Return the sizes that the errors of methods may have, rad and rad/s, (2,) each.
+    """Return three sizes that the errors of methods may have, rad and rad/s, (2,) each.
 
-    The first is the size without any change, the last is the least size that a single change
-    leaves, and the one between is the geometric mean of both.
+    The first is the size without any change. The last is the smallest that is fitted beside a
+    single change, linearised. The second is the geometric mean of these two.
     """
     most = _fitted_size(data, errors, data.deviations(data.base[None]))
     units = np.maximum(most, FITS)
@@ -174,13 +182,13 @@ def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> li
 def _fitted_size(
     data: Intervals, errors: FloatArray, deviation: FloatArray, others: FloatArray | None = None
 ) -> FloatArray:
-    """Return the size of methods' errors when these are fitted to residuals, rad and rad/s, (2,).
+    """Return the root mean square size of methods' errors that fit residuals, rad and rad/s, (2,).
 
     Parameters
     ----------
     errors : errors of methods with coefficients of one, rad and rad/s, (k, S, 6)
-    deviation : the residuals, in units of the intervals' scale, 6 S numbers
-    others : further columns that are fitted to the residuals, rad and rad/s, (m, S, 6)
+    deviation : the residuals, in units of `data.scale`, 6 S numbers
+    others : further columns that are fitted together with the errors, rad and rad/s, (m, S, 6)
     """
     every = errors if others is None else np.concatenate([errors, others])
     columns = (every / data.scale).reshape(len(every), -1).T

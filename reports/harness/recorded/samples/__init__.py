@@ -1,1 +1,1 @@
-"""Mistakes that samples show by themselves, or beside their neighbours and the exact motion."""
+"""Finds mistakes in recording: from the samples alone, or by comparison with the exact motion."""

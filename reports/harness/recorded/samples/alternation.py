@@ -1,4 +1,4 @@
-"""Finds what alternates from sample to sample of a recorded motion: noise, or an integrator's ω."""
+"""Finds errors that alternate from sample to sample: noise, or an ω that an integrator makes so."""
 
 from dataclasses import dataclass
 
@@ -12,44 +12,44 @@ from .intervals import NEAR, deviations_from_flow
 
 #: Least number of samples in which alternation can be found.
 FEWEST = 12
-#: Variance of fourth differences of noise, in variances of the noise, by their lag: Σ (4 over k)²
-#: at a lag of one sample. At a lag of two samples, three of the four differences are between every
-#: second sample: the operator is (1 − B)(1 − B²)³, where B takes the sample before.
+#: Variance of fourth differences of noise, in units of the noise's variance, by the lag of the
+#: differences. At a lag of one sample it is Σ (4 over k)². At a lag of two samples only the first
+#: difference is between neighbours: the operator is (1 − B)(1 − B²)³, with the shift B by a sample.
 OF_DIFFERENCES = {1: 70.0, 2: 40.0}
-#: Least ratio of fourth to third differences in what alternates. Noise has √3.5 and √(10/3); in
-#: what is smooth the ratio is less than the angle between samples, and two samples are less than
-#: `NEAR` apart.
+#: Least ratio of fourth to third differences of errors that alternate. For noise it is √3.5 at a
+#: lag of one sample and √(10/3) at two. For smooth errors it is less than the angle by which the
+#: body turns between the samples, which is less than 2 `NEAR`.
 ALTERNATES = 1.4
-#: Size of the fourth differences of what alternates between ± 1.
+#: Size of the fourth differences of a number that alternates between 1 and −1.
 ALTERNATING = 16.0
-#: The factor by which noise must exceed the bound of the rounding of printed numbers to be more
-#: than that rounding, whose standard deviation is some fifty times smaller than the bound.
+#: Noise must exceed the bound on the error of rounded numbers by this factor; their standard
+#: deviation is some fifty times smaller than the bound.
 PRINTED = 2.0
-#: The factor by which an alternation that is no noise must exceed the least noise to be named: the
+#: An alternation that is no noise is reported if it exceeds the least noise by this factor, as the
 #: rounding errors of single precision alternate, too.
 CLEARLY = 25.0
-#: The least noise of a measured attitude, rad, and of a measured ω, relative to the largest ‖ω‖:
-#: what is less is the error of an integrator, or of its interpolation.
+#: The least noise of a measured attitude, rad, and of a measured ω, relative to the largest ‖ω‖.
+#: Smaller errors are those of an integrator, or of its interpolation.
 LEAST = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Alternation:
-    """What alternates from sample to sample, beyond the exact flow from the sample before.
+    """The part of a motion's errors that alternates from sample to sample.
 
-    The deviations from that flow are smooth along a motion that was computed, whatever is wrong
-    with the motion. Along a motion that was measured they alternate, even if only every second
-    sample is taken.
+    The errors are deviations from the exact flow that begins at the sample before. They are smooth
+    if the motion was computed, whatever is wrong with it. They alternate if it was measured, even
+    if only every second sample is taken.
 
     Attributes
     ----------
-    every, every_second : root mean squares of third differences, first row, and of fourth ones,
-        second row, in the columns of attitude, rad, and ω, rad/s; of every sample or of every
-        second one, (2, 2)
-    throughout : whether most samples contribute to the fourth differences, so that these are not
-        due to a single jump, for attitude and for ω, (2,)
-    least : least size that counts as noise, above rounding and the error of an integrator's
-        interpolation, rad and rad/s, (2,)
+    every : root mean squares of the third differences, first row, and of the fourth differences,
+        second row; of attitude, rad, and of ω, rad/s, in columns, (2, 2)
+    every_second : the same of differences with a lag of two samples, (2, 2)
+    throughout : whether most samples contribute to the fourth differences, for attitude and for ω,
+        (2,); otherwise these may be due to a single jump
+    least : least standard deviation that counts as noise of attitude, rad, and ω, rad/s, (2,);
+        less may be rounding or an integrator's interpolation
     """
 
     every: FloatArray
@@ -59,18 +59,18 @@ class Alternation:
 
     @property
     def noise(self) -> FloatArray:
-        """Standard deviations of attitude, rad, and ω, rad/s, if what alternates is noise, (2,)."""
+        """Standard deviations of attitude, rad, and ω, rad/s, (2,), if the alternation is noise."""
         return np.asarray(self.every[1] / np.sqrt(OF_DIFFERENCES[1]))
 
     @property
     def is_noise(self) -> NDArray[np.bool_]:
-        """Whether what alternates is noise, for attitude and for ω, (2,)."""
+        """Whether the errors that alternate are noise, for attitude and for ω, (2,)."""
         alternates = self._alternates(self.every, 1) & self._alternates(self.every_second, 2)
         return np.asarray(alternates & self.throughout)
 
     @property
     def of_omega(self) -> list[str]:
-        """The sentence that ω alternates though it has no noise; none if it does not."""
+        """A list of the sentence that ω alternates, but not as noise does; empty if it does not."""
         alternates = self._alternates(self.every, 1)[1] and self.throughout[1]
         if not alternates or self.is_noise[1] or self.noise[1] < CLEARLY * self.least[1]:
             return []
@@ -81,7 +81,7 @@ class Alternation:
         ]
 
     def _alternates(self, differences: FloatArray, lag: int) -> NDArray[np.bool_]:
-        """Whether differences alternate, for attitude and for ω, (2,).
+        """Return whether differences are those of errors that alternate, for attitude and ω, (2,).
 
         Parameters
         ----------
@@ -94,7 +94,7 @@ class Alternation:
 
 
 def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Alternation | None:
-    """Return what alternates in a motion; None if samples are too few or too far apart.
+    """Return the errors of a motion that alternate; None if samples are too few or too far apart.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     fastest = float(norms(motion.omega_body).max())
     if len(motion.t) < FEWEST or fastest * np.median(np.diff(motion.t)) >= NEAR:
         return None
-    # These are first differences already, with the noise of two samples.
+    # These deviations are already differences of the noise of two samples.
     first = deviations_from_flow(scenario, motion)
     least = np.maximum(PRINTED * floor, LEAST * np.array([1.0, fastest]))
     squares = [_differences(first, lag) for lag in OF_DIFFERENCES]
@@ -116,14 +116,14 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
 
 
 def _differences(first: FloatArray, lag: int) -> list[FloatArray]:
-    """Return the third and the fourth differences of attitude and ω, squared.
+    """Return the squares of the third and of the fourth differences of attitude and ω.
 
-    The squares are means over the three components: (n − 2 lag, 2) and (n − 3 lag, 2).
+    They are means over the three components: (n − 2 lag, 2) and (n − 3 lag, 2).
 
     Parameters
     ----------
     first : first differences of attitude, rad, and ω, rad/s, (n, 6)
-    lag : the lag of the second and higher differences, d[k + lag] − d[k], in samples
+    lag : the lag of each further difference, d[k + lag] − d[k], in samples
     """
     squares, differences = [], first
     for _ in range(3):

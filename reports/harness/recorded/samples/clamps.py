@@ -1,4 +1,4 @@
-"""Clamps of ω: which quantity each bounds, how it changes ω, and which of them explain a motion."""
+"""Clamps, by which an engine limits ω: their effect on states, and those that explain a motion."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -12,10 +12,10 @@ from .....scenarios.rotation import matrices, norms, turned, turned_back
 from ...explaining.search import LEFT
 from .intervals import states_of
 
-#: Relative tolerance of the fit of a clamp, and least number of samples; and the most intervals
-#: that clamps are tried in.
+#: Largest relative error of ω with a clamp that explains a motion; least number of samples at its
+#: bound; the most intervals in which clamps are tried.
 CLAMPED, FEWEST, FEW = 1e-2, 3, 12
-#: Relative error of a bound by rounding, and how far beyond a bound, relative, equations must lead.
+#: Relative error of a bound by rounding. How far equations must lead beyond a bound, relatively.
 ROUNDING, BEYOND = 1e-9, 1e-3
 #: Smallest rate, rad/s, and smallest sum of squares, that is used as a divisor.
 TINY = 1e-300
@@ -27,31 +27,32 @@ def _in_world(states: FloatArray) -> FloatArray:
 
 
 def _with_omega(states: FloatArray, omega_body: FloatArray) -> FloatArray:
-    """Return states with another ω, rad/s, body axes, (S, 7)."""
+    """Return states, (S, 7), with another ω, rad/s, body axes, (S, 3)."""
     return np.hstack([states[:, :4], omega_body])
 
 
 def _by_component(states: FloatArray, bound: float) -> FloatArray:
-    """Return states with each component of ω in body axes clamped to ± a bound, rad/s, (S, 7)."""
+    """Return states, (S, 7), with each component of ω in body axes clamped to ± a bound, rad/s."""
     return _with_omega(states, np.clip(states[:, 4:], -bound, bound))
 
 
 def _by_component_in_world(states: FloatArray, bound: float) -> FloatArray:
-    """Return states with each component of ω in world axes clamped to ± a bound, rad/s, (S, 7).
+    """Return states, (S, 7), with each component of ω in world axes clamped to ± a bound, rad/s.
 
-    As in all states, the ω that is returned is in body axes.
+    As in all states, the ω that is returned is along body axes.
     """
     clamped = np.clip(_in_world(states), -bound, bound)
     return _with_omega(states, turned_back(matrices(states[:, :4]), clamped))
 
 
 def _by_norm(states: FloatArray, bound: float) -> FloatArray:
-    """Return states with the norm of ω clamped to a bound, rad/s, (S, 7)."""
+    """Return states, (S, 7), with the norm of ω clamped to a bound, rad/s."""
     speeds = np.maximum(norms(states[:, 4:]), TINY)[:, None]
     return _with_omega(states, states[:, 4:] * np.minimum(1.0, bound / speeds))
 
 
-#: Clamps: the words, the bounded quantity of states, (S, 7), and the states with it clamped.
+#: Clamps. Each has words for the quantity that it bounds, a function that returns this quantity for
+#: states, (S, 7), and one that returns states in which it is clamped to a bound, rad/s.
 CLAMPS = (
     ("each component of ω in world axes", lambda s: np.abs(_in_world(s)), _by_component_in_world),
     ("each component of ω in body axes", lambda s: np.abs(s[:, 4:]), _by_component),
@@ -60,7 +61,7 @@ CLAMPS = (
 
 
 class Clamp(NamedTuple):
-    """A clamp of ω in words, and the index of the first sample at its bound."""
+    """A clamp of ω: a sentence on it, and the index of the first sample at its bound."""
 
     words: str
     first: int
@@ -71,18 +72,19 @@ def clamps(
 ) -> Iterator[Clamp]:
     """Yield clamps of ω with which the scene's equations lead from sample to sample.
 
-    The first sample is replaced by the exact start. A clamp is also found, whatever else is wrong,
-    if ω stays at a bound up to rounding where the scene's equations lead beyond this bound.
+    The first sample is replaced by the exact one. Whatever else is wrong with the motion, a clamp
+    is also found if ω stays at a bound, up to rounding, while the scene's equations lead beyond it.
 
     Parameters
     ----------
     motion, exact : the recorded motion, and the exact one at the same times
-    of_method, of_noise : bounds of a method's error of ω in an interval, and of noise, rad/s
+    of_method : bound on a method's error of ω in an interval, rad/s
+    of_noise : bound on the noise of ω, rad/s
     """
     states = states_of(motion)
     start = states_of(exact.until(1))[0]
     changes = float(np.abs(states[:, 4:] - start[4:]).max())
-    # An ω that stays constant is no sign of a clamp: without a gyroscopic torque it does so, too.
+    # A constant ω is no sign of a clamp: without a gyroscopic torque it is constant, too.
     if len(states) <= FEWEST or changes <= ROUNDING * np.abs(states[:, 4:]).max():
         return
     kept = np.unique(np.linspace(0, len(states) - 2, FEW).astype(int))
@@ -112,13 +114,14 @@ def clamps(
 
 
 def _fits(omega: FloatArray, clamped: FloatArray, unclamped: FloatArray, least: float) -> bool:
-    """Whether the recorded ω is the clamped one, which differs from the unclamped one.
+    """Return whether the recorded ω equals that with a clamp, and differs from that without it.
 
     Parameters
     ----------
-    omega, clamped, unclamped : recorded and computed ω at the ends of intervals, rad/s, (S, 3)
-    least : how far clamped and unclamped ω must differ, rad/s, but at most `CLAMPED` of the
-        largest ‖ω‖
+    omega : recorded ω at the ends of intervals, rad/s, (S, 3)
+    clamped, unclamped : ω computed with and without the clamp, rad/s, (S, 3)
+    least : how far clamped and unclamped ω must differ, rad/s; a difference of more than `CLAMPED`
+        times the largest ‖ω‖ is enough in any case
     """
     size = float(norms(unclamped).max())
     deviation, changed = (float(norms(one - clamped).max()) for one in (omega, unclamped))

@@ -1,18 +1,18 @@
-"""Columns of ω that stay the same to the last digit, though the body's rate changes."""
+"""Finds columns of ω that stay the same to the last digit, though the body's ω changes."""
 
 import numpy as np
 
 from .....scenarios import FloatArray
 from .digits import CHANGES, Numbers, Shown, runs, where
 
-#: Least number of samples for which a column is stuck. It is more than five, as an ω that is up to
-#: five samples older or newer than the attitude is filled up with equal samples at one end.
+#: Least number of equal samples of a column that is stuck. Fewer may fill up one end of an ω that
+#: is up to five samples older or newer than the attitude.
 FEWEST = 7
-#: A gyroscope saturates only if the body turns faster, on average, than the largest rate that it
-#: reads: by this fraction of that rate, and by this number of standard errors of the average.
+#: A gyroscope saturates only if the body turns faster, on average, than the largest rate that was
+#: read: by this fraction of that rate, and by this number of standard errors of the average.
 FASTER, CERTAIN = 1e-2, 6.0
-#: The words for a gyroscope that saturates, to which the components and the rate in rad/s and in
-#: °/s are added; and the words for all components.
+#: The sentence on a gyroscope that saturates, with the components and the rate in rad/s and in °/s;
+#: and the words for all components.
 SATURATES = "the gyroscope saturates: {} is clamped to {:.6g} rad/s ({:.4g} °/s)"
 EACH = "each component of ω"
 
@@ -25,11 +25,11 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    omega : as in the file, rad/s, (n, 3)
+    omega : ω as in the file, rad/s, (n, 3)
     """
     bound, least = float(np.abs(omega).max()), CHANGES * numbers.resolution_omega
     if not np.ptp(omega, axis=0).any():
-        # All of ω is constant without a gyroscopic torque, whatever is wrong with the attitudes.
+        # An ω that is constant in all columns may be right, as without a gyroscopic torque.
         return None
     for axis in range(3):
         column, exact = omega[:, axis], numbers.omega_exact[:, axis]
@@ -39,10 +39,10 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
         changes = float(np.ptp(exact[a : b + 1]))
         # A method's error makes the attitudes turn at a constant other rate, which is no change.
         change_shown = float(np.ptp(numbers.rates[a:b, axis]))
-        # Along other axes it may be the component that the exact motion keeps.
+        # A constant component of the exact ω may have been recorded in another column.
         if (np.abs(np.abs(numbers.omega_exact) - abs(column[a])).max(axis=0) < least).any():
             continue
-        # The ω of a body with another tensor may stay the same.
+        # If the body has another tensor, ω may be constant. The attitudes then agree with it.
         if changes > least and change_shown > changes / 2:
             how = "dead" if not column[a] else "stuck"
             return Shown(
@@ -57,12 +57,12 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
 def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Return the finding that a gyroscope saturates; None if it does not.
 
-    If it does, ω stays at its largest value while the attitudes turn faster. If the body's own rate
-    were limited, the attitudes would turn no faster.
+    If it does, ω stays at its largest value while the attitudes turn faster. If the body's own ω
+    were clamped, the attitudes would turn no faster than that.
 
     Parameters
     ----------
-    omega : as in the file, rad/s, (n, 3)
+    omega : ω as in the file, rad/s, (n, 3)
     """
     every = [(EACH, slice(None)), *((f"w{name}", slice(k, k + 1)) for k, name in enumerate("xyz"))]
     return next(filter(None, (_saturated(numbers, omega, *which) for which in every)), None)
@@ -73,7 +73,7 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
 
     Parameters
     ----------
-    omega : as in the file, rad/s, (n, 3)
+    omega : ω as in the file, rad/s, (n, 3)
     which, columns : the columns, in words and as a slice
     """
     some = omega[:, columns]
@@ -97,7 +97,7 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
 
 
 def _when(t: FloatArray, a: int, b: int) -> str:
-    """Return the times of samples a to b in words."""
+    """Return the times and the number of the samples with indices `a` to `b` in words."""
     count, is_to_end = b + 1 - a, b == len(t) - 1
     if is_to_end:
         return f"from t = {t[a]:.6g} s on, for {count} samples" if a else f"in all {count} samples"

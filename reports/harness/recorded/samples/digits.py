@@ -1,8 +1,8 @@
-"""What the numbers of a recorded motion show by themselves, as they were recorded.
+"""Finds mistakes from the digits of recorded numbers: repeats, coarse rounding and zeros.
 
-Rows and columns that are the same to the last digit are found without any physics. The exact motion
-only tells whether they should have changed, by far more than the numbers are rounded: a body at
-rest, and the ω of a body about a principal axis, stay the same.
+Rows and columns that are the same to the last digit are found without physics. The exact motion
+only tells whether they should have changed, by far more than the numbers are rounded. They stay the
+same, for instance, if the body is at rest, or turns about a principal axis.
 """
 
 from collections.abc import Iterable
@@ -19,36 +19,37 @@ from ..files.motion import Reading
 from ..files.recording import FEWEST_VALUES, RATES, Recording, digits_of, unit_of
 
 #: Numbers that stay the same are a finding only if they should have changed by more than this
-#: number of units of their last digit.
+#: many units of their last digit.
 CHANGES = 10.0
-#: Least number of values that a column of rounded numbers has.
+#: Least number of different values by which coarse rounding is recognised.
 FEWEST = 3
 #: Numbers are coarse if the largest is less than this multiple of the unit that they are rounded
-#: to: then eight bits hold them, which are less than three printed digits.
+#: to. Eight bits hold such numbers with their signs; printed, they have less than three digits.
 COARSE = 128
 #: Standard deviation of the error of rounding to integers.
 ROUNDING_ERROR = 1 / np.sqrt(12)
-#: Most numbers whose digits are counted, spread over all.
+#: The most numbers of a column whose digits are counted, spread over all.
 MOST_COUNTED = 1000
-#: For the three smaller components of a quaternion: digits to which they are compared, the least
-#: unit of rounding that is recognised, and the tolerance of multiples of that unit.
+#: Coarse rounding of the three smaller components of quaternions: decimals to which components are
+#: compared, least unit that is recognised, and tolerance of multiples of that unit.
 DIGITS, FINEST, NEAR = 6, 1e-4, 0.1
 Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
 class Numbers:
-    """The columns of a recording as in its file, beside the exact motion.
+    """The columns of a recording, with numbers as in its file, and those of the exact motion.
 
     Attributes
     ----------
-    t : s, (n,)
-    q, omega : as in the file, in the order and along the axes of its columns, (n, 4) and, rad/s,
-        (n, 3); `omega` is None if it was not recorded
-    q_exact, omega_exact : the exact attitude, scalar first, (n, 4), and the exact ω in the axes
-        that the file states, rad/s, (n, 3)
-    rates : mean ω from each sample to the next by the attitudes, in the axes of `omega`, rad/s,
-        (n - 1, 3)
+    t : times of the samples, s, (n,)
+    q : recorded quaternions, with components in the order of the file, (n, 4)
+    omega : recorded ω, along the axes that the file states, rad/s, (n, 3); None if ω was not
+        recorded
+    q_exact : exact attitudes, scalar first, (n, 4)
+    omega_exact : exact ω, along the axes that the file states, rad/s, (n, 3)
+    rates : mean ω from each sample to the next, computed from the recorded attitudes, along the
+        same axes, rad/s, (n - 1, 3)
     """
 
     t: FloatArray
@@ -65,19 +66,19 @@ class Numbers:
 
     @cached_property
     def resolution_q(self) -> float:
-        """The resolution of the printed quaternions, as `resolution` returns it."""
+        """The resolution of the recorded quaternions (see `resolution`)."""
         return resolution(self.q, (1.0,))
 
     @cached_property
     def resolution_omega(self) -> float:
-        """The resolution of the printed ω, rad/s, as `resolution` returns it; 0 without ω."""
+        """The resolution of the recorded ω, rad/s (see `resolution`); 0 if ω was not recorded."""
         return 0.0 if self.omega is None else resolution(self.omega, RATES.values())
 
     @cached_property
     def should_turn(self) -> Flags:
         """Whether the exact motion turns from each sample to the next, (n - 1,).
 
-        A turn counts if it is far larger than the last digits of quaternions.
+        Turns count if they change quaternions by far more than a unit of the last recorded digit.
         """
         least = 2 * CHANGES * self.resolution_q
         return norms(rotation_vectors(self.q_exact[:-1], self.q_exact[1:])) > least
@@ -86,8 +87,8 @@ class Numbers:
     def turns(self) -> Flags:
         """Whether the body turns from each sample to the next, (n - 1,).
 
-        It turns if both the exact motion and the ω of the earlier sample say so: the recorded ω, or
-        the exact one if none was recorded.
+        It does if the exact motion turns, and if the ω of the earlier sample is large enough: the
+        recorded ω, or the exact one if none was recorded.
         """
         least = 2 * CHANGES * self.resolution_q
         speeds = norms(self.omega_exact if self.omega is None else self.omega)[:-1]
@@ -95,14 +96,14 @@ class Numbers:
 
     @cached_property
     def same_q(self) -> Flags:
-        """Whether the attitude is that of the sample before, to the last digit, (n - 1,)."""
+        """Whether the attitude repeats that of the sample before, to the last digit, (n - 1,)."""
         return np.asarray((self.q[1:] == self.q[:-1]).all(axis=1))
 
     @cached_property
     def same_omega(self) -> Flags:
-        """Whether ω is that of the sample before, to the last digit, (n - 1,).
+        """Whether ω repeats that of the sample before, to the last digit, (n - 1,).
 
-        It is true throughout if ω was not recorded.
+        All entries are true if ω was not recorded.
         """
         if self.omega is None:
             return np.ones(len(self.spans), dtype=bool)
@@ -116,10 +117,10 @@ class Shown:
     Attributes
     ----------
     words : a sentence on the finding
-    wrong : indices of the samples that are wrong, (k,); the others may be explained by physics
+    wrong : indices of the wrong samples, (k,); the motion of the others may be explained by physics
     rounding : standard deviations of the errors of attitude, rad, and ω, rad/s, by coarse rounding;
-        0 without it
-    mended : all samples with the mistake corrected; None if it cannot be
+        0 if numbers are not rounded coarsely
+    mended : the reading with the mistake corrected in all samples; None if it cannot be corrected
     """
 
     words: str
@@ -129,11 +130,13 @@ class Shown:
 
 
 def numbers_of(recording: Recording, reading: Reading, exact: Trajectory) -> Numbers:
-    """Return the columns of a recording beside those of the exact motion.
+    """Return the columns of a recording, with those of the exact motion.
 
     Parameters
     ----------
-    exact : the exact motion at the recording's times
+    recording : the recording, from which quaternions are taken as they are in the file
+    reading : the same samples, as they are read
+    exact : the exact motion at the times of the reading
     """
     rates = rotation_vectors(reading.q[:-1], reading.q[1:]) / np.diff(reading.t)[:, None]
     omega_exact = exact.omega_body
@@ -147,15 +150,15 @@ def numbers_of(recording: Recording, reading: Reading, exact: Trajectory) -> Num
 def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
     """Return the resolution of printed numbers, in the unit of `numbers`.
 
-    It is the largest number times 10^(1 − d) for d significant digits, which is one to ten times
-    the unit of its last digit. It is at least the largest number times the machine epsilon: that of
-    single precision if single precision holds all numbers.
+    With d significant digits it is the largest number times 10^(1 − d), which is one to ten units
+    of the last digit of that number. It is at least the largest number times the machine epsilon,
+    which is that of single precision if single precision holds all numbers.
 
     Parameters
     ----------
-    numbers : of any shape
-    units : sizes of the units that the numbers may have been printed in, in the unit of `numbers`;
-        the one in which the numbers have the fewest digits is taken
+    numbers : numbers of one quantity, of any shape
+    units : the units in which the numbers may have been printed, in the unit of `numbers`. The one
+        in which the numbers have the fewest digits is taken
     """
     flat = numbers.ravel()
     counted = flat[:: max(1, len(flat) // MOST_COUNTED)]
@@ -166,7 +169,7 @@ def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
 
 
 def shown_by_digits(numbers: Numbers) -> list[Shown]:
-    """Return the findings of repeated numbers, coarse rounding, and an ω that is exactly zero."""
+    """Return the findings of repeated numbers, coarse rounding, and ω that is exactly zero."""
     found = [_still(numbers) or _stale(numbers), _rounded_attitude(numbers)]
     if numbers.omega is not None:
         found += [_zeros(numbers, numbers.omega), _rounded_omega(numbers, numbers.omega)]
@@ -174,12 +177,12 @@ def shown_by_digits(numbers: Numbers) -> list[Shown]:
 
 
 def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
-    """Return in words how many samples are concerned, and the first and last of their times.
+    """Return the number of some samples, and the times of the first and the last one, in words.
 
     Parameters
     ----------
     t : times of all samples, s, (n,)
-    samples : indices of those concerned, (k,)
+    samples : indices of the samples that are counted, increasing, (k,)
     """
     first, last = t[samples[[0, -1]]]
     if len(samples) == 1:
@@ -188,21 +191,27 @@ def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
 
 
 def runs(flags: Flags) -> list[tuple[int, int]]:
-    """Return the indices of the first and last sample of each run of flagged samples.
+    """Return the first and the last sample of each run of samples that are flagged as alike.
 
-    As flags compare samples with the ones before them, a run begins one sample before its first
-    flag.
+    A flag says that a sample is like the one before it, so that a run begins one sample before its
+    first flag.
 
     Parameters
     ----------
     flags : flags of all samples but the first, (n - 1,)
+
+    Returns
+    -------
+    For each run the indices of its first and its last sample
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[0], flags, [0]])))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def _still(numbers: Numbers) -> Shown | None:
-    """Return the finding that rows repeat those before, or that the engine puts the body to sleep.
+    """Return the finding that rows repeat those before them, or that a body is put to sleep.
+
+    A body is asleep if an engine holds it in place because it moves slowly.
 
     Returns
     -------
@@ -214,7 +223,7 @@ def _still(numbers: Numbers) -> Shown | None:
     for first, last in runs(same & numbers.should_turn):
         if omega is None or omega[first].any() or last < count - 1 or not first:
             continue
-        # A body that slows down to zero does not fall asleep.
+        # If ω was almost zero just before, the body came to rest and was not put to sleep.
         if norms(omega[[first - 1]])[0] > CHANGES * numbers.resolution_omega:
             return Shown(
                 f"from t = {t[first]:.6g} s on, for {last + 1 - first} samples, it is asleep: ω is "
@@ -222,8 +231,8 @@ def _still(numbers: Numbers) -> Shown | None:
                 np.arange(first, count),
             )
     found = runs(same & numbers.turns)
-    # A first state that is written twice shifts the times of those after it, and a file of one
-    # state alone has another start: neither is found here.
+    # Two cases are left to other checks: a first state that is written twice, which shifts all
+    # later times; and a file with the same state throughout.
     found = [(a, b) for a, b in found if a or 1 < b < count - 1]
     if not found:
         return None
@@ -237,7 +246,7 @@ def _still(numbers: Numbers) -> Shown | None:
 
 
 def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
-    """Return the finding that samples a to b are the same, and whether those after b are late."""
+    """Return the finding that samples `a` to `b` are the same, and whether later ones are late."""
     t, q = numbers.t, numbers.q / norms(numbers.q)[:, None]
     samples = "1 sample" if b == a + 1 else f"{b - a} samples"
     if b == len(t) - 1:
@@ -271,12 +280,12 @@ def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
 
 
 def _stale(numbers: Numbers) -> Shown | None:
-    """Return the finding that attitudes repeat the one before, though ω changes; None if not so."""
+    """Return the finding that attitudes repeat those before them, though ω changes; or None."""
     if numbers.omega is None:
         return None
     flags = numbers.same_q & ~numbers.same_omega & numbers.turns
     found = [(a, b) for a, b in runs(flags) if a or b > 1]
-    # Where the attitude is some samples older or newer than ω, one end is filled up.
+    # A single run of equal attitudes at one end fills up columns that were shifted in time.
     is_end = len(found) == 1 and (not found[0][0] or found[0][1] == len(numbers.t) - 1)
     if not found or is_end:
         return None
@@ -298,12 +307,15 @@ def _stale(numbers: Numbers) -> Shown | None:
 def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Return the finding that ω is exactly zero at some samples, though the body turns.
 
-    The body turns if both the recorded attitude and the exact motion do. It is None if there is no
-    such sample, or if ω is zero at all samples.
+    The body turns if both the recorded attitude and the exact motion do.
 
     Parameters
     ----------
-    omega : as in the file, rad/s, (n, 3)
+    omega : ω as in the file, rad/s, (n, 3)
+
+    Returns
+    -------
+    None if there is no such sample, or if ω is zero at all samples
     """
     is_zero = ~omega.any(axis=1)
     turned_since = ~numbers.same_q & numbers.should_turn
@@ -319,7 +331,7 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
 def _rounded_attitude(numbers: Numbers) -> Shown | None:
     """Return the finding that quaternions are rounded coarsely; None if they are not.
 
-    They are multiples of a unit so coarse that eight bits hold them.
+    They are if all components, or the three smaller ones, are multiples of a coarse unit.
     """
     unit, values = unit_of(numbers.q), len(np.unique(numbers.q))
     which = "the quaternions"
@@ -329,7 +341,7 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
         return None
     if not unit:
         return None
-    # A body that hardly turns has few values.
+    # The quaternions of a body that hardly turns have few different values.
     turns = rotation_vectors(np.broadcast_to(numbers.q_exact[0], numbers.q.shape), numbers.q_exact)
     if norms(turns).max() < CHANGES * unit:
         return None
@@ -341,8 +353,9 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
 def _unit_of_three(q: FloatArray) -> float:
     """Return the unit to which the three smaller components of quaternions, (n, 4), are rounded.
 
-    The differences of these components are multiples of it; it is 0 if there is no such unit.
-    Compressed quaternions have only these components, of few bits each, and the largest follows.
+    It is 0 if there is no such unit. Compressed quaternions store only these three, in few bits
+    each, as the largest follows from them. The differences of the components are multiples of the
+    unit.
     """
     largest = np.abs(q).argmax(axis=1)
     others = np.abs(q[np.arange(4) != largest[:, None]]).round(DIGITS)
@@ -358,7 +371,7 @@ def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    omega : as in the file, rad/s, (n, 3)
+    omega : ω as in the file, rad/s, (n, 3)
     """
     found = {}
     for name, factor in RATES.items():
@@ -372,7 +385,7 @@ def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
             found[name] = unit
     if not found:
         return None
-    # Multiples of one unit are multiples of a less round number of another.
+    # Multiples of a round number in one unit are multiples of a less round number in another.
     name = min(found, key=lambda name: digits_of(found[name]))
     unit = found[name]
     rounding = 0.0, ROUNDING_ERROR * unit * RATES[name]

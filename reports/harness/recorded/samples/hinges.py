@@ -1,4 +1,7 @@
-"""Checks whether the rotors of a recorded motion keep the constants that their hinges conserve."""
+"""Checks whether the rotors of a recorded motion conserve what their hinges make constant.
+
+A rotor on a free hinge has a constant angular momentum about its axle, others a constant spin.
+"""
 
 import numpy as np
 from scipy.special import ndtri
@@ -11,11 +14,11 @@ from ...explaining.search import SIGNIFICANCE
 def spins_beyond(
     scenario: Scenario, motion: Trajectory, timestep: float | None, order: int, noise: FloatArray
 ) -> list[str]:
-    """Return the sentence on spins that change beyond a method's error or noise; often none.
+    """Return a list of the sentence that a spin changes otherwise than its rotor's hinge makes it.
 
-    The error of a method of order p in a component along a turning axis is a part of the p-th power
-    of the angle turned in a step. That angle is the rotor's, as engines may turn each body by
-    itself.
+    The list is empty if no spin does so by more than noise and a method's error. The error of a
+    method of order p is taken to be proportional to the p-th power of the angle turned in a step,
+    by the body or by the rotor, whichever is faster.
 
     Parameters
     ----------
@@ -45,5 +48,5 @@ def spins_beyond(
 
 
 def keeps_momentum_of_start(scenario: Scenario) -> bool:
-    """Whether a rotor keeps an angular momentum that depends on ω at the start: on a free hinge."""
+    """Return whether any rotor is on a free hinge; its momentum then depends on ω at the start."""
     return bool(scenario.rotors.is_free.any())

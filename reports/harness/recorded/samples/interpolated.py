@@ -1,4 +1,4 @@
-"""Finds samples of a recorded ω that were held, or interpolated linearly, between others."""
+"""Finds samples whose ω was not recorded, but held or interpolated linearly from other samples."""
 
 import numpy as np
 
@@ -6,15 +6,15 @@ from .....scenarios import FloatArray
 from .....scenarios.rotation import norms
 from .digits import CHANGES, Numbers, Shown, runs, where
 
-#: Least number of samples at which ω is new, and of successive samples on one line.
+#: Least number of samples at which ω is new; least number of successive samples on one line.
 FEWEST, FEWEST_ON_A_LINE = 3, 2
 
 
 def interpolated(numbers: Numbers) -> Shown | None:
-    """Return the finding that ω was held or interpolated linearly; None if it was not.
+    """Return the finding that ω is held or interpolated linearly at some samples; None if not.
 
-    Samples that were held repeat those before them; samples that were interpolated are on a
-    straight line between others, to the last digit.
+    Held values repeat those of the sample before. Interpolated ones are on a straight line between
+    others, to the last digit.
     """
     if numbers.omega is None or len(numbers.t) < FEWEST:
         return None
@@ -34,7 +34,7 @@ def interpolated(numbers: Numbers) -> Shown | None:
     samples = np.concatenate([np.arange(a + 1, b + 1) for a, b in gaps])
     of_gaps = f", in {len(gaps)} gaps" if len(gaps) > 1 else ""
     if not np.abs(omega[samples] - omega[samples - 1]).any():
-        # Where a line ends with a kink, the last sample that is held is no longer on the line.
+        # The last sample that is held is not on the line, which has its kink there.
         ends = np.array([b + 1 for _, b in gaps])
         samples = np.union1d(samples, ends[(omega[ends] == omega[ends - 1]).all(axis=1)])
         return Shown(
@@ -53,13 +53,13 @@ def _zero_order_hold(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    omega : as in the file, rad/s, (n, 3)
+    omega : ω as in the file, rad/s, (n, 3)
     """
     changes = norms(np.diff(omega, axis=0))
     least = CHANGES * numbers.resolution_omega
     new = np.flatnonzero(changes > least)
     count = int(np.median(np.diff(new))) if len(new) >= FEWEST else 1
-    # A motion that comes to rest is new at every sample, and later at none.
+    # An ω that changes at every sample, and later at none, is that of a body that comes to rest.
     if count > 1 and np.sum(changes <= least / CHANGES) >= (count - 1) * (len(new) - 1):
         return _at_one_in(count, "held", int(new[0]) + 1, len(omega))
     return None
@@ -70,9 +70,9 @@ def _at_one_in(count: int, how: str, first: int, samples: int) -> Shown:
 
     Parameters
     ----------
-    how : what ω is at the other samples, in words
+    how : words on ω at the other samples, such as "held"
     first : index of the first sample at which ω is new
-    samples : how many samples there are
+    samples : the number of all samples
     """
     words = f"ω is {how}: it is new at one sample in {count} only; record those alone"
     return Shown(words, np.flatnonzero((np.arange(samples) - first) % count))
@@ -83,17 +83,19 @@ def _lines(
 ) -> list[tuple[int, int]]:
     """Return the straight lines of a recorded ω that begin or end with a kink.
 
-    Samples are on a line if the recorded ω bends there by no more than rounding, though the exact ω
-    bends far more there, or the recorded ω bends far more at most samples, because of noise.
+    The bend of ω at a sample is its deviation from the straight line between its neighbours. A
+    sample is on a line if the recorded ω bends there by no more than rounding, but should bend far
+    more: as the exact ω does there, or as the recorded ω does at most samples because of noise.
 
     Parameters
     ----------
+    t : times of the samples, s, (n,)
     omega, exact : recorded and exact ω, rad/s, (n, 3)
-    least : the bend that may be rounding, rad/s
+    least : the largest bend by rounding, rad/s
 
     Returns
     -------
-    For each line, the indices of the sample before its inner samples, and of the last of these
+    For each line the index of the sample before the first one on it, and of the last one on it
     """
     fraction = ((t[1:-1] - t[:-2]) / (t[2:] - t[:-2]))[:, None]
 

@@ -1,4 +1,4 @@
-"""The intervals of a recorded motion between samples, with the error allowed to a method."""
+"""The intervals between the samples of a recorded motion, with bounds on a method's error."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,15 +17,16 @@ from ...explaining.fit import Data
 from ...explaining.hypothesis import Hypothesis, as_it_is
 from .sensors import as_it_was, as_read
 
-#: Largest turn of the body in an interval between two samples, rad, and least number of intervals.
+#: Largest turn of the body in an interval between two samples, rad; least number of intervals.
 NEAR, FEWEST_INTERVALS = 0.7, 4
-#: Most intervals that the time before a recording is divided into.
+#: The most intervals into which the time before the first sample is divided.
 MOST_BEFORE = 1000
-#: Difference of starts, rad and relative, by which the growth of errors is found.
+#: Difference of starts, rad and relative to the fastest rate, by which the growth of errors along a
+#: motion is found.
 SMALL = 1e-6
-#: Least rate that counts as one of a motion, relative to the largest.
+#: Smallest rate that is assumed of a state, relative to the largest rate of the motion.
 LEAST_RATE = 1e-6
-#: Largest rate up to which motions are followed, relative to the fastest that was recorded.
+#: Largest ‖ω‖ up to which the motions of hypotheses are followed, relative to the largest recorded.
 FASTER = 30.0
 
 
@@ -35,14 +36,16 @@ class Intervals(Data):
 
     Attributes
     ----------
-    starts : q, scalar first, and ω, rad/s, body axes, (S, 7)
-    t, spans : times at the ends of the intervals, and their lengths, s, (S,) and (S, 1)
+    starts : recorded states at the starts of the intervals: q, scalar first, and ω, rad/s, body
+        axes, (S, 7)
+    t : times at the ends of the intervals, s, (S,)
+    spans : lengths of the intervals, s, (S, 1)
     ends : recorded states at the ends of the intervals, (S, 7)
     noise : standard deviations of recorded attitude, rad, and ω, rad/s, (2,)
-    method : bounds of a method's error in an interval, in attitude, rad, and ω, rad/s, (S, 2)
-    integrator, timestep : the integrator by which hypotheses are followed from the starts, and its
-        timestep, s
-    is_derived : whether ω was not recorded, but is the rate at which the attitudes turn
+    method : bounds on a method's error in each interval, in attitude, rad, and ω, rad/s, (S, 2)
+    integrator : the integrator with which the equations of hypotheses are solved
+    timestep : timestep of the integrator, s; not used by `EXACT`, which chooses its own
+    is_derived : whether ω was not recorded, but computed from the attitudes
     """
 
     starts: FloatArray
@@ -62,7 +65,7 @@ class Intervals(Data):
 
     @cached_property
     def fastest(self) -> float:
-        """The largest ‖ω‖ that a computed motion may reach, rad/s; its states are nan beyond it."""
+        """The largest ‖ω‖ that is computed, rad/s; states of motions that exceed it are nan."""
         speeds = norms(np.vstack([self.starts, self.ends])[:, 4:])
         return FASTER * max(float(speeds.max()), float(self.base.rate))
 
@@ -73,15 +76,18 @@ class Intervals(Data):
 
     @cached_property
     def correlated(self) -> float:
-        """How many residuals count as one in χ², as in `Data`.
+        """The number of residuals that count as one in χ².
 
-        All of them do if a method's error is far larger than noise, as the error follows one law
-        throughout, however many samples show it. If noise is far larger, each counts by itself.
+        If noise is far larger than a method's error, each residual counts by itself. If the error
+        is far larger, all count as one: it follows one law, however many samples show it.
         """
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """The residuals of H hypotheses, as in `Data`, in units of `scale`, (H, S, 6)."""
+        """Return the residuals of attitude and ω with H hypotheses, in units of `scale`, (H, S, 6).
+
+        They are nan where a hypothesis leads to no finite state.
+        """
         starts = as_it_was(hypotheses, self.starts, self.t - self.spans[:, 0])
         steps = hypotheses.step
         of_method = self.integrator, steps * self.timestep, self.fastest
@@ -91,23 +97,27 @@ class Intervals(Data):
             return apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale
 
     def apart(self, equations: OtherEquations) -> FloatArray:
-        """Return the deviations of the ends from the exact flow by equations, (S, 6).
+        """Return the deviations of the ends from the exact flow that begins at the starts, (S, 6).
 
-        They are a rotation vector, rad, and the difference of ω, rad/s, body axes.
+        They are a rotation vector, rad, and a difference of ω, rad/s, along body axes.
+
+        Parameters
+        ----------
+        equations : the equations of which this is the exact flow
         """
         return apart(follow(equations, self.starts, self.spans)[:, 0], self.ends)
 
     def with_error(self, size: FloatArray) -> "Intervals":
-        """Return the intervals with a given error of the method, the same in all of them.
+        """Return the intervals with another bound on a method's error, the same in all intervals.
 
         Parameters
         ----------
-        size : size of the error of attitude, rad, and ω, rad/s, (2,)
+        size : bound on the error of attitude, rad, and ω, rad/s, (2,)
         """
         return replace(self, method=np.tile(size, (len(self.spans), 1)))
 
     def made_by(self, integrator: Integrator, timestep: float) -> "Intervals":
-        """Return the intervals, to be followed with an integrator, and without a method's error.
+        """Return the intervals with an integrator for hypotheses, and without a method's error.
 
         Parameters
         ----------
@@ -127,17 +137,17 @@ class Intervals(Data):
 
 
 def root_mean_squares(differences: FloatArray) -> FloatArray:
-    """Return the root mean squares of attitude, rad, and ω, rad/s, (2,).
+    """Return the root mean squares of differences of attitude, rad, and of ω, rad/s, (2,).
 
     Parameters
     ----------
-    differences : rad and rad/s, (S, 6)
+    differences : differences of attitude, rad, and ω, rad/s, (S, 6)
     """
     return np.asarray(np.sqrt(np.mean(differences.reshape(-1, 2, 3) ** 2, axis=(0, 2))))
 
 
 def deviations_from_flow(scenario: Scenario, motion: Trajectory) -> FloatArray:
-    """Return the deviations of samples from the exact flow that starts in the sample before.
+    """Return the deviation of each sample from the exact flow that begins at the sample before.
 
     The flow is that of the scene's equations.
 
@@ -152,15 +162,16 @@ def deviations_from_flow(scenario: Scenario, motion: Trajectory) -> FloatArray:
 def error_at_first_sample(
     scenario: Scenario, t: FloatArray, timestep: float | None, order: int
 ) -> FloatArray:
-    """Return bounds of a method's error at the first sample, in attitude, rad, and ω, rad/s, (2,).
+    """Return bounds on a method's error at the first sample, in attitude, rad, and ω, rad/s, (2,).
 
     The error grows from the scene's start to that sample. The bounds are 0 if the sample is at the
-    start, and infinite if a difference of the start grows beyond doubles.
+    start. They are infinite if the motion is so unstable that its derivatives overflow.
 
     Parameters
     ----------
-    t : times of samples, s, (n,), from the scene's start
-    timestep, order : as in `intervals_of`
+    t : times of the samples since the scene's start, s, (n,)
+    timestep : timestep of the method, s; if None, the median time between samples is used
+    order : order of accuracy of the method
     """
     distance = float(np.median(np.diff(t)))
     count = min(MOST_BEFORE, int(np.ceil(t[0] / distance)))
@@ -174,7 +185,7 @@ def error_at_first_sample(
     rates = np.maximum(rates, LEAST_RATE * rates.max())
     step_lengths = min(timestep or distance, distance)
     method = _bounds(equations, states, spans, rates, step_lengths, order).sum(axis=0)
-    # Errors grow along the motion as differences of its start do.
+    # Errors grow along the motion as small differences of its start do.
     units = np.array([1.0, rates.max()])
     differences = SMALL * np.eye(6)
     turned = Rotation.from_quat(first[0, :4], scalar_first=True) * Rotation.from_rotvec(
@@ -203,25 +214,28 @@ def intervals_of(
     most: int | None = None,
     near: float = NEAR,
 ) -> Intervals | None:
-    """Return the intervals of a motion that are short enough, by `near`.
-
-    None is returned if fewer than `FEWEST_INTERVALS` are so short, or if ω is 0 at all samples.
+    """Return the intervals between samples in which the body does not turn too far.
 
     Parameters
     ----------
+    motion : the recorded motion
     timestep : timestep with which the motion was computed, s; if None, it is unknown, and the
         median time between samples is used
     order : order of accuracy of the method that computed the motion
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
-    most : the largest number of intervals, spread evenly over all; None for all
+    most : the largest number of intervals, which are spread evenly over all; None for all
     near : the largest turn of the body in an interval, rad
+
+    Returns
+    -------
+    The intervals; None if they are fewer than `FEWEST_INTERVALS`, or if ω is 0 at all samples
     """
     if len(motion.t) <= FEWEST_INTERVALS:
         return None
     base = as_it_is(scenario)
     spans = np.diff(motion.t)
     rates = np.maximum(norms(motion.omega_body), base.rate)[:-1]
-    # A body that starts from rest has rates only later.
+    # The rate of a body that starts from rest is 0 at first, and bounds are divided by rates.
     rates = np.maximum(rates, LEAST_RATE * rates.max())
     kept = np.flatnonzero(spans * rates <= near)
     if len(kept) < FEWEST_INTERVALS or not motion.omega_body.any():
@@ -240,20 +254,23 @@ def _bounds(
     states: FloatArray,
     spans: FloatArray,
     rates: FloatArray,
-    step_lengths: FloatArray,
+    step_lengths: FloatArray | float,
     order: int,
 ) -> FloatArray:
-    """Return bounds of a method's error over each span, in attitude, rad, and ω, rad/s, (S, 2).
+    """Return bounds on a method's error over each span, in attitude, rad, and ω, rad/s, (S, 2).
 
-    The error of a step of order p is a part of the p-th power of the angle of a step: explicit
-    Euler's is h²/2 times a second derivative, which is |ω'| times the rate at most. About a
-    constant axis a step of order 1 turns correctly to second order.
+    The errors of a method of order p are proportional to the p-th power of the angle of a step. The
+    factors are those of explicit Euler: its error in a step h is h²/2 times a second derivative,
+    which is |ω'| times the fastest rate at most. About a constant axis even a method of order 1
+    turns correctly to second order.
 
     Parameters
     ----------
     states : q and ω at the start of each span, (S, 7)
-    spans, rates : s, and the fastest rate of each state, rad/s, (S,)
-    step_lengths : s, (S,)
+    spans : lengths of the spans, s, (S,)
+    rates : the fastest rate of each state, rad/s, (S,)
+    step_lengths : lengths of the method's steps, s, (S,) or one for all
+    order : order of accuracy of the method
     """
     computed = follow(equations, states, spans[:, None])[:, 0, 4:]
     speed = float(norms(states[:, 4:]).max())

@@ -1,4 +1,4 @@
-"""Finds where a recorded motion jumps, though it obeys its equations between most samples."""
+"""Finds where a recorded motion jumps, if it obeys the equations of motion between most samples."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -14,17 +14,17 @@ from ...explaining.search import LEFT, SAME, SIGNIFICANCE
 from .intervals import Intervals
 from .mistakes import FITS
 
-#: Most rows that may have been lost at once.
+#: The most rows that may have been lost in one place.
 MOST_LOST = 20
-#: Largest turn, rad, of an interval that is looked at.
+#: Largest turn, rad, of an interval in which a jump is looked for.
 FAR = 2.5
-#: How many later jumps are tried as the one that undoes a jump, and how many kinds of jumps are
-#: named.
+#: The number of later jumps of which one may lead back to the motion before a jump. The number of
+#: kinds of jumps that are named.
 UNDONE_BY, KINDS_TOLD = 4, 2
-#: Number of neighbours, on each side, that an interval is compared with; two may be jumps, too.
+#: The number of intervals on each side with which an interval is compared; two may be jumps, too.
 AROUND = 4
-#: Number of Newton steps to the time that a motion takes to a state, and relative tolerance of
-#: times.
+#: Number of Newton steps with which the time between two states is found; and tolerance of a number
+#: of lost rows.
 STEPS, TIME_TOLERANCE = 6, 1e-3
 
 
@@ -36,7 +36,7 @@ class Jump:
     ----------
     kind : name of the kind of jump; jumps of one kind are counted together
     at : time of the first sample that differs from the motion before it, s
-    words : a sentence
+    words : a sentence on the jump
     """
 
     kind: str
@@ -45,16 +45,17 @@ class Jump:
 
 
 def jumps(data: Intervals, reach: int) -> list[Jump]:
-    """Return the jumps of a motion, the first of each kind, with how many there are in words.
+    """Return the first jump of each kind in a motion, with the number of such jumps in its words.
 
-    Of more than `KINDS_TOLD` kinds the first are returned. The list is empty if there is no jump,
-    if more than a tenth of all intervals have one, or if the deviations decay from the first
-    interval on, as by a filter that starts with the motion.
+    At most `KINDS_TOLD` kinds are returned. The list is empty if there is no jump, if more than a
+    tenth of all intervals have one, or if deviations decay from the first interval on, as of a
+    filter that starts with the motion.
 
     Parameters
     ----------
-    data : all intervals that turn by less than `FAR`, with the noise of recorded numbers
-    reach : samples on each side of a jump at which ω is wrong, as it is computed from attitudes
+    data : all intervals in which the body turns by less than `FAR`, with the noise of the samples
+    reach : the number of samples on each side of a jump whose ω is wrong, as it is computed from
+        attitudes; 0 if ω was recorded
     """
     deviations = data.apart(data.base)
     chi2 = np.sum((deviations / data.scale) ** 2, axis=1)
@@ -85,9 +86,9 @@ def jumps(data: Intervals, reach: int) -> list[Jump]:
 
 
 def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[int]:
-    """Return the indices of the intervals whose deviations are far larger than the others'.
+    """Return the indices of the intervals whose deviations are far larger than those of others.
 
-    The list is empty if they are more than the fraction `LEFT` of all intervals.
+    The list is empty if these intervals are more than the fraction `LEFT` of all.
 
     Parameters
     ----------
@@ -105,17 +106,17 @@ def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[i
     if np.sum(is_beyond) > LEFT * len(deviations):
         return []
     squares = np.mean(deviations.reshape(-1, 2, 3) ** 2, axis=2)
-    # If noise is nearly as large as a method's error, it exceeds that error at some of many
-    # samples. These are no jumps.
+    # If noise is nearly as large as a method's error, it exceeds the error at some of many samples
+    # without a jump.
     usual = np.mean(squares[~is_beyond], axis=0)
     is_beyond &= np.any(squares > usual / fdtri(3 * np.sum(~is_beyond), 3, level), axis=1)
     return [*map(int, np.flatnonzero(is_beyond))]
 
 
 def _goes_on(data: Intervals, k: int, last: int, chi2: float) -> bool:
-    """Whether the exact flow from the start of interval `k` leads to the end of interval `last`.
+    """Return whether the exact flow leads from the start of interval `k` to the end of `last`.
 
-    It is false if the intervals between them are not consecutive.
+    It does not if the intervals from `k` to `last` are not consecutive.
 
     Parameters
     ----------
@@ -130,12 +131,12 @@ def _goes_on(data: Intervals, k: int, last: int, chi2: float) -> bool:
 
 
 def _outliers(data: Intervals, deviations: FloatArray, k: int, last: int) -> Jump:
-    """Return the jump of outliers: samples that differ from the motion before and after them.
+    """Return the jump of outliers: samples that are off, while the motion then goes on as before.
 
     Parameters
     ----------
-    deviations : as in `_places`
-    k, last : the interval that ends in the first outlier, and the one that begins in the last
+    deviations : see `_places`
+    k, last : the interval that ends in the first outlier, and the one that begins in the last one
     """
     first, count = data.t[k], last - k
     if count == 1:
@@ -154,7 +155,7 @@ def _stretch(data: Intervals, deviations: FloatArray, k: int, end: int) -> Jump:
 
     Parameters
     ----------
-    deviations : as in `_places`
+    deviations : see `_places`
     k, end : the first and the last of these intervals
     """
     worst = deviations[k + int(np.argmax(norms(deviations[k : end + 1])))]
@@ -168,13 +169,13 @@ def _stretch(data: Intervals, deviations: FloatArray, k: int, end: int) -> Jump:
 
 
 def _outlying_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
-    """Return the jump of outlying attitudes, if ω was not recorded.
+    """Return the jump of attitudes that are outliers, if ω was not recorded.
 
-    They differ from the exact flow from the start of interval `first` to the end of `last`.
+    They are off the exact flow that leads from the start of interval `first` to the end of `last`.
 
     Returns
     -------
-    None if the flow does not lead there, or if no attitude differs from it
+    None if the flow does not lead to the end of `last`, or if no attitude is off it
     """
     spans = data.spans[first : last + 1].T
     computed = follow(data.base, data.starts[[first]], spans)[0]
@@ -194,9 +195,9 @@ def _outlying_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
 
 
 def _time_jump(data: Intervals, first: int, last: int) -> Jump | None:
-    """Return the jump in time, if the motion takes another time than the recorded times say.
+    """Return the jump in time between the start of interval `first` and the end of `last`.
 
-    The exact flow leads from the start of interval `first` to the end of interval `last`.
+    The exact flow leads from one to the other, but takes another time than the recorded one.
 
     Returns
     -------
@@ -225,7 +226,7 @@ def _jump(data: Intervals, deviations: FloatArray, k: int) -> Jump:
 
     Parameters
     ----------
-    deviations : as in `_places`
+    deviations : see `_places`
     """
     at = data.t[k]
     if not k:
@@ -268,7 +269,7 @@ def _time_between(data: Intervals, first: int, last: int) -> float | None:
 
 
 def _with_count(alike: Sequence[Jump]) -> Jump:
-    """Return the first of several jumps of one kind, with words on how many there are."""
+    """Return the first of several jumps of one kind, with their number added to its words."""
     first, count = alike[0], len(alike)
     if count == 1:
         return first
@@ -277,7 +278,7 @@ def _with_count(alike: Sequence[Jump]) -> Jump:
 
 
 def _is_near(computed: FloatArray, recorded: FloatArray, scale: FloatArray) -> bool:
-    """Whether a computed state, (7,), equals a recorded one, (7,), within noise.
+    """Return whether a computed state, (7,), equals a recorded one, (7,), within noise.
 
     Parameters
     ----------
@@ -288,6 +289,6 @@ def _is_near(computed: FloatArray, recorded: FloatArray, scale: FloatArray) -> b
 
 
 def _size(deviations: FloatArray) -> str:
-    """Return deviations of attitude, rad, and ω, rad/s, (6,), in words."""
+    """Return in words the sizes of deviations of attitude, rad, and ω, rad/s, (6,)."""
     turned, faster = (0.0 if size < FITS else size for size in norms(deviations.reshape(2, 3)))
     return f"{np.degrees(turned):.3g}° and {faster:.3g} rad/s"

@@ -1,4 +1,7 @@
-"""Describes the torque, or rate, that is missing if no change explains a recorded motion."""
+"""Describes the torque, or angular velocity, that a recorded motion has and the equations lack.
+
+Such sentences are used if no change of the equations explains the motion.
+"""
 
 import numpy as np
 
@@ -10,30 +13,33 @@ from ...explaining.search import LEFT, SAME
 from .intervals import Intervals
 from .mistakes import FITS
 
-#: Significant digits of missing torques and rates, and of axes; means over intervals have few.
+#: Significant digits of missing torques and rates, and of axes. They are few, as torques and rates
+#: are means over intervals.
 DIGITS, OF_AXES = 3, 2
 KINEMATICS = "ω obeys Euler's equations, but the attitude does not follow ω"
 DYNAMICS = "the attitude follows ω, but ω does not obey Euler's equations"
 
 
-#: The words for dissipation, with the loss of energy and the change of the angular momentum in %.
+#: The sentence on dissipation, with the loss of energy and the change of angular momentum, in %.
 DISSIPATED = (
     "its energy falls by {:.3g} % while its angular momentum is kept to {:.2g} %, which no torque "
     "from outside does: something moves within the body and takes energy, such as fuel that "
     "sloshes, or a part that bends"
 )
-#: The fraction of a motion, at its beginning and its end, over which the mean energies are taken
-#: that are compared, and the least significant difference of these, in standard errors.
+#: The mean energies over this fraction of a motion, at its beginning and at its end, are compared.
+#: They differ significantly if they do so by more than `SURE` standard errors.
 PART, SURE = 0.1, 8.0
-#: The largest change of the angular momentum relative to the loss of energy. A torque against ω
-#: causes twice as much; parts that move within the body take up some.
+#: Largest relative change of the angular momentum, in units of the relative loss of energy. It is
+#: not zero, as parts that move within the body take up some; a torque against ω changes it by twice
+#: as much.
 KEPT = 0.25
 
 
 def dissipated(scenario: Scenario, motion: Trajectory) -> list[str]:
-    """Return the sentence that a free body loses energy and keeps its angular momentum; often none.
+    """Return a list of the sentence that a free body loses energy but keeps its angular momentum.
 
-    There is none for a body with a lever, a torque, drag, or a momentum of rotors.
+    The list is empty if that is not so, or if the scene has a lever of gravity, a torque, drag, or
+    a momentum of rotors.
     """
     e = equations_of(scenario)
     if e.pull.any() or e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any():
@@ -54,11 +60,14 @@ def dissipated(scenario: Scenario, motion: Trajectory) -> list[str]:
 
 
 def missing(data: Intervals) -> list[str]:
-    """Return the missing rate or torque in words, if only kinematics or only dynamics are wrong.
+    """Return a sentence on the angular velocity, or on the torque, that the equations lack.
+
+    A torque is missing if the attitude follows ω, but ω does not obey Euler's equations. An angular
+    velocity is missing if ω obeys them, but the attitude does not follow ω.
 
     Returns
     -------
-    One sentence; none if both are wrong
+    A list of one sentence; empty if neither is so
     """
     deviations = data.apart(data.base)
     turned, omega = (np.sqrt(np.mean(part**2, axis=1)) for part in np.split(deviations, 2, axis=1))
@@ -73,9 +82,13 @@ def missing(data: Intervals) -> list[str]:
 
 
 def is_attitude_off(motion: Trajectory, exact: Trajectory) -> bool:
-    """Whether only the attitude is wrong: the relative error of ω is far below the attitude's, rad.
+    """Return whether the attitude is wrong, and ω is not.
 
-    Both motions have the same times.
+    The relative error of ω must be far smaller than the error of the attitude, rad.
+
+    Parameters
+    ----------
+    motion, exact : the recorded motion, and the exact one at the same times
     """
     omega_errors, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
     return bool(norms(omega_errors).max() < LEFT**2 * turned_off(motion, exact) * fastest.max())
@@ -88,9 +101,13 @@ def turned_off(motion: Trajectory, exact: Trajectory) -> float:
 
 
 def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
-    """Whether only ω is wrong: the attitude's error, rad, is far below the relative error of ω.
+    """Return whether ω is wrong, and the attitude is not.
 
-    Both motions have the same times.
+    The error of the attitude, rad, must be far smaller than the relative error of ω.
+
+    Parameters
+    ----------
+    motion, exact : the recorded motion, and the exact one at the same times
     """
     omega_errors, fastest = motion.omega_body - exact.omega_body, norms(exact.omega_body)
     deviations, speed = norms(omega_errors).max(), fastest.max()
@@ -120,7 +137,7 @@ def _torque(data: Intervals) -> str:
 
 
 def _rate(data: Intervals) -> str:
-    """Return in words the angular velocity with which the attitude turns besides ω.
+    """Return in words the angular velocity with which the attitude turns in addition to ω.
 
     It is averaged over each interval, in body axes.
     """
@@ -129,7 +146,14 @@ def _rate(data: Intervals) -> str:
 
 
 def _largest(what: str, data: Intervals, missing: FloatArray, unit: str) -> str:
-    """Return in words the largest of missing vectors, (S, 3), of the kind `what`, and its time."""
+    """Return in words the largest of several missing vectors, and its time.
+
+    Parameters
+    ----------
+    what : what is missing, in words
+    missing : the missing vector in each interval, (S, 3)
+    unit : unit of the vectors
+    """
     k = int(np.argmax(norms(missing)))
     return (
         f"{what} of {norms(missing)[k]:.{DIGITS}g} {unit} at most is missing, at t = "
@@ -138,7 +162,7 @@ def _largest(what: str, data: Intervals, missing: FloatArray, unit: str) -> str:
 
 
 def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
-    """Return in words which axes of body or world S vectors are along or perpendicular to.
+    """Return in words the axis of body or world that vectors are along, or perpendicular to.
 
     Parameters
     ----------
@@ -166,11 +190,12 @@ def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
 
 
 def _share(of: FloatArray, along: FloatArray) -> float:
-    """Return the fraction of the sum of squares of S vectors that is along S other vectors.
+    """Return the fraction of the sum of squares of vectors that is due to components along others.
 
     Parameters
     ----------
-    of, along : the vectors, and the directions, of any length, (S, 3)
+    of : the S vectors, (S, 3)
+    along : for each of them the other vector, whose length does not matter, (S, 3)
     """
     lengths = np.maximum(norms(along), np.finfo(float).tiny)
     parts = np.sum(of * along, axis=1) / lengths
@@ -178,7 +203,7 @@ def _share(of: FloatArray, along: FloatArray) -> float:
 
 
 def _rounded(components: FloatArray, digits: int = DIGITS) -> str:
-    """Return a vector as text, to few digits."""
+    """Return a vector as text, with components to a number of significant digits."""
     least = np.abs(components).max() / 10**digits
     return vector([float(f"{n:.{digits}g}") if abs(n) > least else 0.0 for n in components])
 

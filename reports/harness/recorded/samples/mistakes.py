@@ -1,6 +1,7 @@
-"""Finds common mistakes in recording: each is corrected, and named if the motion then fits.
+"""Finds common mistakes in recording, such as a wrong unit, order of components or frame.
 
-Only the beginning of a motion is compared, before an integrator's errors have grown.
+Each mistake is corrected on trial. It is named if the corrected motion then agrees with the exact
+one far better. Only the beginning of a motion is compared, before an integrator's errors grow.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -22,16 +23,16 @@ from ..files.motion import OmegaFrame, QuaternionOrder, Reading
 from .intervals import states_of
 from .other_readings import equal_times, other_readings
 
-#: Turns of the exact motion, rad, over the two beginnings that are compared, and the least number
-#: of samples in a beginning. A motion by other equations is closer to the exact one over the
-#: shorter beginning.
+#: The exact motion turns by these angles, rad, over the two beginnings that are compared. A motion
+#: by other equations is closer to the exact one over the shorter one. The least number of samples
+#: in a beginning.
 BEGINNINGS, FEWEST = (3.0, 0.75), 3
-#: Least number of samples of a corrected reading, and the most samples that corrections may leave
-#: out together. If two were left out, an ω that was smoothed over three samples would count as two
-#: mistakes: half a sample older, and half a sample newer, than the attitude.
+#: Least number of samples of a corrected reading. The most samples that all corrections together
+#: may leave out: if it were two, an ω that is smoothed over three samples would count as two
+#: mistakes, half a sample older and half a sample newer than the attitude.
 FEWEST_LEFT, LEFT_OUT = 2, 1
-#: Largest turn of the body over the beginning, rad, by the times of a reading. If these are so
-#: wrong that the body turns further, the exact motion is not computed.
+#: Largest turn of the body, rad, up to the last time of a reading. If its times are so wrong that
+#: the body turns further, the exact motion is not computed.
 FURTHEST = 3e3
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
@@ -39,11 +40,11 @@ FITS = 1e-9
 TOO_SHORT = "too short, as where one state in so many is kept"
 TOO_LONG = "too long, as of another timestep than that of the steps"
 EPS = float(np.finfo(float).eps)
-#: Mistakes in words, and the reading corrected for them.
+#: A correction: sentences on mistakes, and the reading corrected for them.
 _Correction = tuple[list[str], Reading]
 #: Units that times may be in by mistake, as a column's heading names them, and their lengths, s.
 UNITS = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
-#: What may be wrong with ω, in words, and the factor that corrects it.
+#: Words that follow "ω is", for mistakes by a factor, and the factor that corrects each of them.
 RATES = {
     "in degrees a second; wx [deg/s] says so": pi / 180,
     "in rad/s already, and was converted from deg/s": 180 / pi,
@@ -52,8 +53,8 @@ RATES = {
     "half of what it should be": 2.0,
     "twice what it should be": 0.5,
 }
-#: What may be wrong with the order and signs of the columns of ω, in words, and the columns and
-#: signs that correct it.
+#: Mistakes in the order and the signs of the columns of ω: a sentence, and the columns and signs
+#: that correct the mistake.
 COLUMNS_OF_OMEGA = [
     (
         "ω is [{}] of its columns".format(
@@ -64,7 +65,7 @@ COLUMNS_OF_OMEGA = [
     )
     for components in OTHER_COMPONENTS
 ]
-#: Reflections that make right-handed axes, of the world and of the body, left-handed; in words.
+#: Reflections that make right-handed axes, of world and body, left-handed, by words on them.
 LEFT_HANDED = {
     **{f"with {axis} reversed": np.diag(1.0 - 2.0 * np.eye(3)[k]) for k, axis in enumerate("xyz")},
     **{
@@ -75,15 +76,16 @@ LEFT_HANDED = {
 
 
 def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
-    """Return the mistakes, in words, that explain why a recording is not the exact motion.
+    """Return sentences on the mistakes that explain why a recording is not the exact motion.
 
     Parameters
     ----------
     exact : the exact motion at the recording's times
+    reading : the recording, read as it is
 
     Returns
     -------
-    One or two mistakes; often none
+    Sentences on one or two mistakes; often none
     """
     beginning = _Beginning(scenario, exact)
     given, shorter = (reading.rows(slice(_samples_until(exact, turn))) for turn in BEGINNINGS)
@@ -93,7 +95,7 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     ) -> Iterator[_Correction]:
         fewest = max(FEWEST_LEFT, len(original.t) - LEFT_OUT)
         if len(one.t) >= fewest:
-            # Where attitudes are wrong, no other ω makes up for it: of two mistakes, that of the
+            # A correction of ω does not make up for wrong attitudes. Of two mistakes, that of the
             # attitude is corrected first.
             is_right = beginning.error_of_attitude(one) < LEFT
             for word, other in _corrections(one, scenario, is_right=is_right):
@@ -105,7 +107,8 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         rare = other_readings(given, scenario, matrices(beginning.start[:, :4])[0])
         best = beginning.better((([word], one) for word, one in rare if len(one.t) >= FEWEST), best)
     if not best[0]:
-        # Few samples do not tell mistakes of ω apart: only those of times and attitude are tried.
+        # Mistakes of ω cannot be told apart by few samples. Only mistakes of times and attitude are
+        # tried with the shorter beginning.
         every = corrected([], shorter, shorter)
         of_attitudes = ((words, one) for words, one in every if one.omega is shorter.omega)
         if words := beginning.better(of_attitudes, ([], shorter))[0]:
@@ -114,7 +117,7 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
         return beginning.better(corrected(*best), best)[0]
     if beginning.error(given) > LEFT:
         pairs = (two for one in corrected([], given) for two in corrected(*one))
-        # Two factors make almost any number of spins.
+        # With two factors of spins almost any spins would agree.
         pairs = (two for two in pairs if sum("spins are" in words for words in two[0]) < 2)
         best = beginning.better(pairs, best)
     return best[0] or beginning.other_times(given)
@@ -127,7 +130,8 @@ def without(
 
     Parameters
     ----------
-    words : the mistakes, as `mistakes` returns them
+    words : the sentences on the mistakes that `mistakes` returned
+    reading : the recording, read as it is
     first : the exact attitude at the first sample, body to world, (3, 3)
     """
     for one in words:
@@ -140,10 +144,10 @@ def without(
 
 
 def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
-    """Return the corrections, each of one mistake, after which the attitude follows ω, best first.
+    """Return corrections, each of one mistake, after which the attitude follows ω, best first.
 
-    No equations of motion are used: between two samples the attitude turns by the mean of their ω,
-    but for terms of third order in the timestep, whatever torques act.
+    No equations of motion are used. Whatever torques act, the attitude turns between two samples at
+    the mean of their ω, except for terms of third order in the time between them.
     """
     baseline = _kinematic_error(reading)
     found = [
@@ -155,11 +159,11 @@ def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
 
 
 def rounded_times(reading: Reading) -> list[str]:
-    """Return in words that times are rounded, if the attitude follows ω far better at even times.
+    """Return a sentence that times are rounded, if the attitude follows ω far better at even times.
 
     Returns
     -------
-    One sentence, or none
+    A list of one sentence; empty if the times are not rounded
     """
     enough = LEFT * min(1.0, _kinematic_error(reading))
     return [words for words, other in equal_times(reading) if _kinematic_error(other) < enough][:1]
@@ -168,11 +172,8 @@ def rounded_times(reading: Reading) -> list[str]:
 def _kinematic_error(reading: Reading) -> float:
     """Return the deviation of ω from the rate at which the attitude turns, relative to that rate.
 
-    Both are root mean squares over all samples.
-
-    Returns
-    -------
-    Infinite without ω, with too few samples, or if the attitude is constant
+    Deviation and rate are root mean squares over all samples. The result is infinite if ω was not
+    recorded, if there are too few samples, or if the attitude is constant.
     """
     if (omega := reading.omega_body) is None or len(omega) < FEWEST:
         return np.inf
@@ -183,7 +184,9 @@ def _kinematic_error(reading: Reading) -> float:
 
 
 class _Beginning:
-    """The beginning of the exact motion, and the errors of readings against it.
+    """The errors of readings of the beginning of a motion, against the exact motion.
+
+    The exact motion is computed at the times of each reading, from the exact first state.
 
     Parameters
     ----------
@@ -198,12 +201,12 @@ class _Beginning:
         self._attitude_errors: dict[tuple[bytes, bytes], float] = {}
 
     def at(self, t: FloatArray) -> tuple[FloatArray, float, float]:
-        """Return the exact motion at times t, s, (n,), with its largest rate and turn.
+        """Return the exact motion at times t, s, (n,), with its largest ‖ω‖ and its turn.
 
         Returns
         -------
         The states, q and ω, (n, 7); the largest ‖ω‖, rad/s, or 1 if that is zero; and the largest
-        turn since the first of these times, rad, at most 1
+        turn from the first of these times, rad, but at most 1
         """
         if (times := t.tobytes()) not in self._at:
             spans = np.diff(t, prepend=self.begins_at)[None]
@@ -219,8 +222,8 @@ class _Beginning:
     def turned(self, q: FloatArray, t: FloatArray) -> float:
         """Return the largest error of attitudes q, (n, 4), at times t, s, (n,), relative to a turn.
 
-        The turn is the exact motion's in these times, but at most 1 rad. The error itself would
-        seem small with times so short that neither motion turns.
+        It is divided by the angle by which the exact motion turns in these times, at most 1 rad.
+        The error itself would be small at times that are too short for either motion to turn.
         """
         key = q.tobytes(), t.tobytes()
         if key not in self._attitude_errors:
@@ -231,23 +234,24 @@ class _Beginning:
         return self._attitude_errors[key]
 
     def error_of_attitude(self, reading: Reading) -> float:
-        """Return the largest error in attitude, relative to the turn; infinite if unknown.
+        """Return the largest error of the attitude, relative to the turn, as `turned` does.
 
-        It is unknown if the times are so long that the exact motion is not computed.
+        It is infinite if the times are so long that the exact motion is not computed.
         """
         if (reading.t[-1] - self.begins_at) * self.fastest > FURTHEST:
             return np.inf
         return self.turned(reading.q, reading.t)
 
     def error(self, reading: Reading, enough: float = np.inf) -> float:
-        """Return the largest relative error in attitude, ω and spins; infinite if unknown.
+        """Return the largest relative error of attitude, ω and spins.
 
-        It is unknown if the times are so long that the exact motion is not computed, or if it is
-        nan.
+        It is infinite if the times are so long that the exact motion is not computed, or if the
+        error is nan.
 
         Parameters
         ----------
-        enough : if the error in attitude is as large as that, ω and spins are not compared
+        enough : if the error of the attitude is as large as this, it is returned, and ω and spins
+            are not compared
         """
         deviations = [self.error_of_attitude(reading)]
         if deviations[0] >= enough:
@@ -270,15 +274,16 @@ class _Beginning:
         Parameters
         ----------
         readings : the corrections that are tried
-        best : the correction to be improved upon; no words, and the reading as given, if none
+        best : the correction to be improved upon; without any, an empty list and the given reading
         """
         given = best[1]
         baseline = least = self.error(given)
-        # The keys are numbers of samples left out. A body at rest has an error of 1, whatever is
-        # recorded.
+        # The keys are numbers of samples left out. Errors of more than 1 count as 1, which is that
+        # of a body at rest.
         baselines = {0: min(1.0, baseline)}
         for words, reading in readings if least > FITS else ():
-            # A reading with fewer samples must be better than the given one without the worst ones.
+            # A reading with fewer samples is compared with the given one, from which as many are
+            # left out at the end where they are worse.
             if (fewer := len(given.t) - len(reading.t)) not in baselines:
                 parts = slice(fewer, None), slice(None, len(given.t) - fewer)
                 errors = (self.error(given.rows(part)) for part in parts)
@@ -289,9 +294,10 @@ class _Beginning:
         return best
 
     def other_times(self, reading: Reading) -> list[str]:
-        """Return a sentence with the factor by which times are too short or too long; often none.
+        """Return a list of the sentence that times are too short or too long by a factor.
 
-        If the times are multiplied or divided by this factor, the attitudes turn at the rate ω.
+        The factor is that with which attitudes turn at the rate ω, and the motion is the exact one.
+        The list is empty if there is no such factor.
         """
         least = self.error(reading)
         if least <= FITS or (factor := _factor_of_times(reading)) is None:
@@ -308,7 +314,7 @@ class _Beginning:
             options={"xatol": FITS * factor},
         )
         omega = self.at(fit.x * reading.t)[0][:, 4:]
-        # If ω hardly changes, an attitude that does not follow ω would explain as much.
+        # If ω hardly changes, the attitude may as well be wrong, not the times.
         changes = norms(omega - omega[0]).max() / (norms(omega).max() or 1.0)
         if fit.fun >= LEFT * min(least, changes) or abs(fit.x - 1) < tolerance:
             return []
@@ -328,12 +334,13 @@ def _samples_until(exact: Trajectory, turn: float) -> int:
 def _corrections(
     reading: Reading, scenario: Scenario, *, is_right: bool = True
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield each mistake that is tried, in words, and the reading corrected for it.
+    """Yield a sentence on each mistake that is tried, and the reading corrected for it.
 
     Parameters
     ----------
-    is_right : whether attitudes and times may be right as they are. If not, mistakes of ω and
-        spins are tried only if they leave out a sample, which may be the wrong one
+    is_right : whether attitudes and times may be right as they are. If not, mistakes of ω are tried
+        only if their correction leaves out a sample, which may be the wrong one; and mistakes of
+        spins are not tried
     """
     other: QuaternionOrder = "xyzw" if reading.order == "wxyz" else "wxyz"
     letters = " ".join(other)
@@ -371,7 +378,7 @@ def _corrections(
 
 
 def _factor_of_times(reading: Reading) -> float | None:
-    """Return the approximate factor by which times must be multiplied for attitudes to follow ω.
+    """Return the approximate factor by which to multiply times so that attitudes turn at rates ω.
 
     Returns
     -------
@@ -387,7 +394,7 @@ def _factor_of_times(reading: Reading) -> float | None:
 def _of_spins(
     reading: Reading, spins: FloatArray, scenario: Scenario
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield mistakes of the spins, in words, each with the reading corrected for it."""
+    """Yield sentences on mistakes of the spins, each with the reading corrected for it."""
     yield "the spins have the opposite sign", reading._replace(spins=-spins)
     for words, factor in RATES.items():
         of_spins = words.replace("wx", "spin1").replace("was", "were").replace("it s", "they s")
@@ -408,7 +415,7 @@ def _of_spins(
 
 
 def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
-    """Yield mistakes of ω, in words, each with the reading corrected for it."""
+    """Yield sentences on mistakes of ω, each with the reading corrected for it."""
     frame: OmegaFrame = "world" if reading.frame == "body" else "body"
     yield f"ω is in {frame} axes (state 'omega = {frame}')", reading._replace(frame=frame)
     yield "ω has the opposite sign", reading._replace(omega=-omega)
@@ -426,9 +433,9 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
 
 
 def _of_other_samples(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
-    """Yield each mistake by which ω is that of another time, and the reading corrected for it.
+    """Yield sentences on mistakes by which ω is that of another time, with corrected readings.
 
-    Each attitude is paired with the ω of its own time; the sample at one end has none.
+    In these each attitude has the ω of its own time. One sample at an end has none and is left out.
     """
     earlier, later = slice(None, -1), slice(1, None)
     for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
@@ -441,7 +448,7 @@ def _of_other_samples(reading: Reading, omega: FloatArray) -> Iterator[tuple[str
 
 
 def _of_rates(R_world_body: FloatArray, rates: FloatArray, axes: tuple[int, ...]) -> FloatArray:
-    """Return ω along world axes, rad/s, (n, 3), from the rates of Euler angles a, b and c.
+    """Return ω along world axes, rad/s, (n, 3), from the rates of Euler angles a, b, c.
 
     Parameters
     ----------

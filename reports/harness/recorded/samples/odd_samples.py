@@ -14,20 +14,22 @@ from .digits import CHANGES, Numbers, Shown, where
 from .intervals import NEAR, deviations_from_flow, root_mean_squares, states_of
 from .mistakes import FITS, TOO_LONG, TOO_SHORT
 
-#: Least number of samples, and least number of wrapped ones.
+#: Least number of samples of a recording; least number of samples whose ω wraps around.
 FEWEST, FEWEST_WRAPPED = 6, 2
-#: Newton steps to the time of a state.
+#: Number of Newton steps with which the time of a state is found.
 NEWTON_STEPS = 4
-#: Relative tolerance of jumps of equal size, and of equal spans.
+#: Relative tolerance with which jumps, or times between samples, count as equal.
 ALIKE = 0.02
 
 
 def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
-    """Return the finding that the sign of qw is lost: conjugating some samples corrects all.
+    """Return the finding that the sign of qw is lost in some samples.
+
+    The absolute value of qw was then recorded, and the conjugates of these samples are right.
 
     Returns
     -------
-    None if some qw is negative, or if that does not correct all samples
+    None if some qw is negative, or if conjugation of some samples does not make all of them right
     """
     q, exact = reading.q, numbers.q_exact
     if (q[:, 0] < 0).any() or len(q) < FEWEST:
@@ -47,11 +49,14 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
 
 
 def across_signs(numbers: Numbers) -> Shown | None:
-    """Return the finding that attitudes were interpolated between quaternions of opposite signs.
+    """Return the finding that attitudes are interpolated between quaternions of opposite signs.
+
+    As q and −q are one attitude, the interpolated quaternions are far from both. Each of them is
+    found by itself, as a quaternion on the straight line between its neighbours.
 
     Returns
     -------
-    None if no attitude was
+    None if no attitude is so interpolated
     """
     t, q = numbers.t, numbers.q
     before, after = q[:-2], q[2:]
@@ -60,7 +65,8 @@ def across_signs(numbers: Numbers) -> Shown | None:
     lengths = np.maximum(norms(chord), np.finfo(float).tiny)
     deviation = norms(q[1:-1] / norms(q[1:-1])[:, None] - chord / lengths[:, None])
     speeds = norms(numbers.omega_exact)[1:-1]
-    # If the body turns by less than half a turn, continuous quaternions have equal signs.
+    # If the body turns by less than half a turn, quaternions with a positive inner product are
+    # those that change continuously.
     is_slow = speeds * (t[2:] - t[:-2]) < np.pi
     is_opposite = np.einsum("ij,ij->i", before, after) < 0
     is_on = deviation * lengths < CHANGES * numbers.resolution_q
@@ -75,13 +81,13 @@ def across_signs(numbers: Numbers) -> Shown | None:
 
 
 def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Return the finding that ω wraps around; None if it does not.
+    """Return the finding that ω wraps around, as integers do that overflow; None if it does not.
 
-    If it does, an overflow adds or subtracts the same number wherever ω would leave a range.
+    Where a component of ω would leave a range, the width of the range is added or subtracted.
 
     Parameters
     ----------
-    omega : the recorded ω, rad/s, in the axes of the file, (n, 3)
+    omega : the recorded ω, rad/s, along the axes of the file, (n, 3)
     """
     t, turns = numbers.t, norms(numbers.rates) * numbers.spans
     if len(t) < FEWEST or turns.max() > NEAR:
@@ -94,7 +100,7 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
     largest = float(np.abs(deviation).max())
     is_wrong = np.abs(deviation) > largest / 2
     wrong = np.flatnonzero(is_wrong.any(axis=1)) + 1
-    # A column that is wrong throughout has the other sign or a bias instead.
+    # A column that is wrong at all samples has the opposite sign or a bias instead.
     is_wrapped = is_wrong.any(axis=0) & ~is_wrong.all(axis=0)
     if len(wrong) < FEWEST_WRAPPED or not is_wrapped.any():
         return None
@@ -103,7 +109,7 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
     is_right = np.abs(deviation[~is_wrong]).max() < ALIKE * jump
     if not is_alike or not is_right or np.abs(omega).max() > (1 + ALIKE) * jump / 2:
         return None
-    # The first and the last ω are estimated by those beside them.
+    # The first and the last ω are estimated by the estimates for their neighbours.
     estimates = np.vstack([by_attitude[:1], by_attitude, by_attitude[-1:]])
     wrong = np.flatnonzero((np.abs(omega - estimates) > jump / 2).any(axis=1))
     return Shown(
@@ -116,7 +122,8 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
 def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
     """Return the finding that some rows are exchanged with the next ones; None if none are.
 
-    Rows count as exchanged if the exact flow leads from row to row in the other order.
+    Two successive rows count as exchanged if the exact flow leads to them, and from them to the
+    next row, only in the other order.
     """
     t, states = motion.t, states_of(motion)
     if len(t) < FEWEST or not motion.omega_body.any():
@@ -156,9 +163,10 @@ def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
 
 
 def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
-    """Return the finding that times jitter; None if they do not.
+    """Return the finding that recorded times jitter about the actual ones; None if they do not.
 
-    They do if they are uneven, and the attitude follows ω far better at even times.
+    They do if the recorded times are uneven, and ω is the rate of the attitude far more closely at
+    evenly spaced times.
 
     Parameters
     ----------
@@ -175,12 +183,12 @@ def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
     slope = rounded if abs(rounded - slope) * len(t) < deviation else slope
     spans = np.diff(t)
     if np.mean(np.abs(spans - np.median(spans)) > ALIKE * slope) < LEFT:
-        # A clock that is set changes a single span.
+        # If few times between samples differ, the clock was set, and does not jitter.
         return None
     turned, rates = rotation_vectors(q[:-1], q[1:]), (omega[1:] + omega[:-1]) / 2
     given = norms(turned - rates * np.diff(t)[:, None])
     even = norms(turned - rates * slope)
-    # Single wrong samples are no evidence of wrong times.
+    # Medians are compared, as a few wrong samples are no evidence of wrong times.
     if np.median(even) >= LEFT * np.median(given):
         return None
     return Shown(
@@ -192,13 +200,15 @@ def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
 
 
 def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: FloatArray) -> str:
-    """Return in words that each state is the exact motion's at another time; empty if not.
+    """Return the sentence that each recorded state is the exact one at another time.
 
-    The time of each state is found by Newton's method. The words are also empty if the errors need
-    no explanation, or if less than a tenth of the times between samples differ.
+    The time of each state is found by Newton's method. The text is empty if there are no such
+    times, if the motion's errors need no explanation, or if less than a tenth of the times between
+    samples are wrong.
 
     Parameters
     ----------
+    motion, exact : the recorded motion, and the exact one at the recorded times
     noise : errors of attitude, rad, and ω, rad/s, that need no explanation, (2,)
     """
     equations, model, recorded = equations_of(scenario), states_of(exact), states_of(motion)
@@ -223,7 +233,7 @@ def warped(scenario: Scenario, motion: Trajectory, exact: Trajectory, noise: Flo
         return ""
     spans = np.diff(motion.t)
     if np.mean(np.abs(np.diff(offsets)) > SAME * spans) < LEFT:
-        # A clock that is set changes a single span.
+        # If few times between samples are wrong, the clock was set.
         return ""
     # From sample to sample the times must be as wrong. A method's error delays a whole motion that
     # lingers near an unstable one, though each step takes the time that it should.

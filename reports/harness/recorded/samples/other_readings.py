@@ -1,4 +1,7 @@
-"""Other ways to read a recording, so rare that each is tried alone and not together with others."""
+"""Rare mistakes in recording: ways to read a recording that are tried alone, not in combination.
+
+Each function yields a sentence on a mistake together with the reading that is corrected for it.
+"""
 
 import warnings
 from collections.abc import Iterator
@@ -15,11 +18,12 @@ from ...explaining.search import LEFT
 from ..files.motion import Reading
 from ..files.recording import unit_of
 
-#: By how many samples ω may be older or newer than the attitude; `mistakes.py` tries one sample.
+#: The numbers of samples by which ω may be older or newer than the attitude; one sample is tried in
+#: `mistakes.py`.
 SAMPLES = range(2, 6)
-#: Tolerance of rounded times, in units of rounding, and of matrices.
+#: Tolerance of rounded times, in units to which they are rounded; and of entries of matrices.
 ALIKE = 1e-6
-#: All orders and signs of three axes, as matrices; and the right-handed ones.
+#: All orders and signs of three axes, as matrices; and those of them that are rotations.
 EVERY_AXES = [
     np.array(signs)[:, None] * np.eye(3)[list(order)]
     for order in permutations(range(3))
@@ -32,10 +36,11 @@ COLUMNS = np.array(["qw", "qx", "qy", "qz"])
 def other_readings(
     reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield other ways to read a recording: in words, and the recording read in that way.
+    """Yield a sentence on each rare mistake, and the recording corrected for it.
 
     Parameters
     ----------
+    reading : the recording, read as it is
     first : the exact attitude at the first sample, body to world, (3, 3)
     """
     yield from equal_times(reading)
@@ -49,9 +54,9 @@ def other_readings(
 
 
 def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield words, and the recording at even times, if its own times may be these, rounded.
+    """Yield a sentence, and the recording at even times, if these, rounded, are its own times.
 
-    The even times are 1/n s apart, with an integer n, or as far apart as fits the given times best.
+    The spacing is 1/n s, with an integer n, or the one that fits the recorded times best.
     """
     t, count = reading.t, np.arange(len(reading.t))
     unit = unit_of(np.diff(t))
@@ -62,7 +67,7 @@ def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
         (start, slope, f"{slope:.6g} s"),
     ):
         even = first + distance * count
-        # Times that are multiples of the sampling period are not rounded.
+        # If times are multiples of the spacing itself, they are not rounded.
         is_rounded = 0 < unit < (1 - LEFT**2) * slope
         if is_rounded and np.abs(t - even).max() < (1 + ALIKE) * unit / 2:
             words = f"the times are rounded to {unit:.6g} s: samples are {words} apart"
@@ -70,7 +75,7 @@ def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield words, and the recording with x, y, z of quaternion and ω in other orders and signs."""
+    """Yield sentences, and the recording with x, y, z of q and ω in other orders and signs."""
     for components in OTHER_COMPONENTS:
         names = ", ".join(f"{'-' * (one < 0)}{' xyz'[abs(one)]}" for one in components)
         axes, signs = np.abs(components) - 1, np.sign(components)
@@ -81,7 +86,7 @@ def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield words, and the recording with the quaternion's components in other orders and signs."""
+    """Yield sentences, and the recording with the components of q in other orders and signs."""
     for order in map(list, permutations(range(4))):
         for signs in product((1.0, -1.0), repeat=3):
             picked = zip((1.0, *signs), COLUMNS[order], strict=True)
@@ -91,9 +96,13 @@ def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield words, and the recording with attitudes of Euler angles in another convention."""
+    """Yield sentences, and the recording with attitudes of Euler angles in another convention.
+
+    Either angles of the right convention were converted to quaternions in a wrong order, or angles
+    were taken for those of a wrong convention.
+    """
     R = Rotation.from_quat(reading.q, scalar_first=True)
-    # Any, as scipy's stubs declare literal types of conventions.
+    # The type is Any, as scipy's stubs declare literal types of conventions.
     conventions: list[Any] = list(map("".join, permutations("XYZ")))
     for used in conventions:
         with warnings.catch_warnings(action="ignore"):
@@ -107,7 +116,7 @@ def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
-    """Yield words, and the recording with attitudes beside the ω of earlier or later samples."""
+    """Yield sentences, and the recording with attitudes and the ω of earlier or later samples."""
     for samples in SAMPLES:
         earlier, later = slice(None, -samples), slice(samples, None)
         for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
@@ -118,11 +127,11 @@ def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]
 def _of_axes(
     reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield words, and the recording along other axes with which the first attitude is right.
+    """Yield sentences, and the recording along other axes with which the first attitude is right.
 
     The axes of world and body are the scene's in another order or with other signs; those of the
     body may be its principal axes instead. If the first recorded attitude is the identity, all
-    attitudes may be relative to the first.
+    attitudes may have been recorded relative to the first.
 
     Parameters
     ----------
@@ -157,7 +166,9 @@ def _of_axes(
 
 
 def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:
-    """Return a recording along other axes: each attitude R becomes world @ R @ body, ω likewise.
+    """Return a recording along other axes: each attitude R becomes world @ R @ body.
+
+    ω, which is along body axes, becomes ω @ body.
 
     Parameters
     ----------
@@ -170,6 +181,6 @@ def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:
 
 
 def named(R: FloatArray) -> str:
-    """Return the axes that the columns of a matrix, (3, 3), are, in words such as [x, -z, y]."""
+    """Return the axis that each column of a matrix, (3, 3), is along, as text like [x, -z, y]."""
     at = np.abs(R).argmax(axis=0)
     return f"[{', '.join('-' * int(R[k, j] < 0) + 'xyz'[k] for j, k in enumerate(at))}]"

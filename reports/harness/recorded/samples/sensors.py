@@ -1,4 +1,4 @@
-"""Errors of sensors as changes of how ω and the attitude are read, and the words for them."""
+"""Errors of sensors, as changes (`Change`) of how ω and attitude are read, and words for them."""
 
 from collections.abc import Callable
 
@@ -12,26 +12,30 @@ from .....scenarios import FloatArray
 from .....scenarios.rotation import norms, times
 from ...explaining.hypothesis import Change, Hypothesis
 
-#: Largest turn of the body, rad, in the time by which ω or the attitude is late.
+#: Largest turn of the body, rad, in a lag of ω, a delay of the attitude, or a filter's time
+#: constant.
 FURTHEST = 1.0
-#: Relative tolerance at which a scale factor is recognised as that from rad to degrees.
+#: Relative tolerance with which a scale factor is recognised as that from rad to degrees.
 DEGREES = 1e-2
-#: Nodes of a filter's quadrature. With one fewer, its error exceeds a noise of 1e-4 of ω.
+#: Number of nodes of a filter's quadrature. With one less, the error exceeds a noise of 1e-4 of ω.
 NODES = 4
-#: Iω + h is recorded in place of ω.
+#: The change in which I ω + h is recorded in place of ω.
 MOMENTUM = Change(
     "momentum",
     lambda h, _: h.of(read=h.inertia, bias=h.kept),
     np.empty(0),
 )
-#: The entries of a matrix that hold a gyroscope's cross-axis sensitivity.
+#: Which entries of a gyroscope's matrix are cross-axis sensitivities.
 OFF_DIAGONAL = ~np.eye(3, dtype=bool)
 
 
 def _cross_axis(parameters: FloatArray) -> FloatArray:
-    """Return the matrices, (H, 3, 3), of gyroscopes with cross-axis sensitivities, (H, 6).
+    """Return the matrices by which H gyroscopes multiply ω, (H, 3, 3).
 
-    The sensitivities are listed row by row.
+    Parameters
+    ----------
+    parameters : cross-axis sensitivities, which are the entries off the diagonal, row by row,
+        (H, 6)
     """
     read = np.tile(np.eye(3), (len(parameters), 1, 1))
     read[:, OFF_DIAGONAL] = parameters
@@ -54,7 +58,7 @@ SENSORS = (
 #: A gyroscope's cross-axis sensitivity. Its six parameters can be told from those of other mistakes
 #: only if there is no noise.
 CROSS_AXIS = Change("cross-axis", lambda h, n: h.of(read=h.read @ _cross_axis(n)), np.ones(6))
-#: Filters of ω. They are not undone, as what they suppress is lost.
+#: Filters of ω. They cannot be undone, as what they suppress is lost.
 FILTERS = (
     Change("low-pass", lambda h, n: h.of(low_pass=n[:, 0]), np.ones(1)),
     Change(
@@ -63,11 +67,12 @@ FILTERS = (
         np.ones(1),
     ),
 )
-#: The changes of reading that can be undone at each sample, as is needed to compare intervals.
+#: The changes that can be undone at each sample. Only these are tried in intervals, which start
+#: from the actual state at a sample.
 READINGS = (MOMENTUM, *SENSORS, CROSS_AXIS)
-#: The changes of reading that are tried with a flight log.
+#: The changes that are tried with a flight log.
 OF_LOGS = (*SENSORS, *FILTERS)
-#: By kind of change: the words, and a and f of a + f p, as which the parameters p are shown.
+#: By kind of change: the sentence, a, and f, where a + f p is shown for a parameter p.
 WORDS = {
     "bias": ("the gyroscope has a bias of {} rad/s", 0.0, 1.0),
     "scale": ("the gyroscope's axes read {} times ω", 1.0, 1.0),
@@ -97,7 +102,7 @@ WORDS = {
 }
 
 
-#: By kind of change: the words if the parameter is negative, of which the absolute value is shown.
+#: By kind of change: the sentence if its parameter is negative; the absolute value is shown.
 AHEAD = {
     "lag": "ω is ahead of the attitude by {} s",
     "delay": "the attitude is that of {} s after its time, and ω is that of its time",
@@ -107,13 +112,14 @@ AHEAD = {
 def of_sensor(
     change: Change, parameters: FloatArray, in_words: Callable[[FloatArray, float], str]
 ) -> str:
-    """Return a sensor's error in words.
+    """Return a sentence on a sensor's error.
 
     Parameters
     ----------
+    change : the error, as a change of how states are read
     parameters : the fitted parameters of the change, SI units, (k,)
-    in_words : returns numbers as text, given the numbers to show, and the factor f from the
-        parameters to their unit
+    in_words : returns numbers as text. It is called with the numbers to show and with f, the factor
+        from SI units to their unit
     """
     words, added, factor = WORDS[change.kind]
     if change.kind in AHEAD and parameters[0] < 0:
@@ -126,12 +132,12 @@ def of_sensor(
 
 
 def as_read(hypotheses: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
-    """Return the states of H hypotheses as their sensors read them, (H, S, 7).
+    """Return the states that the sensors of H hypotheses read, (H, S, 7).
 
     Parameters
     ----------
-    states : the actual q, scalar first, and ω, rad/s, body axes, (H, S, 7)
-    t : s, (S,)
+    states : the actual states: q, scalar first, and ω, rad/s, body axes, (H, S, 7)
+    t : times of the states, s, (S,)
     """
     read, lag, delay = states.copy(), hypotheses.lag, hypotheses.delay
     if lag.any():
@@ -149,15 +155,15 @@ def as_read(hypotheses: Hypothesis, states: FloatArray, t: FloatArray) -> FloatA
 
 
 def as_it_was(hypotheses: Hypothesis, read: FloatArray, t: FloatArray) -> FloatArray:
-    """Return the actual states if the sensors of H hypotheses read the given ones, (H, S, 7).
+    """Return the actual states, (H, S, 7), if the sensors of H hypotheses read given states.
 
-    This is the inverse of `as_read`, except that filters are not undone. States are not finite
-    where ω cannot be recovered from what a hypothesis reads.
+    This is the inverse of `as_read`, except that filters are not undone. States are not finite if
+    ω cannot be computed from what a hypothesis reads.
 
     Parameters
     ----------
-    read : q, scalar first, and ω, rad/s, body axes, as they were read, (S, 7)
-    t : s, (S,)
+    read : the states that were read: q, scalar first, and ω, rad/s, body axes, (S, 7)
+    t : times of the states, s, (S,)
     """
     states, lag, delay = np.tile(read, (len(hypotheses), 1, 1)), hypotheses.lag, hypotheses.delay
     by = np.swapaxes(inverse(hypotheses.read), 1, 2)
@@ -175,11 +181,11 @@ def as_it_was(hypotheses: Hypothesis, read: FloatArray, t: FloatArray) -> FloatA
 
 
 def _bias_and_drift(hypotheses: Hypothesis, t: FloatArray) -> FloatArray:
-    """Return what bias and drift add to ω as it is read at times t, s, (S,).
+    """Return what bias and drift of H hypotheses add to ω as it is read at times t, s, (S,).
 
     Returns
     -------
-    rad/s, (H, S, 3); (H, 1, 3) if there is no drift
+    The sum of both, rad/s, (H, S, 3); (H, 1, 3) if there is no drift
     """
     added, drift = hypotheses.bias[:, None], hypotheses.drift[:, None]
     return np.asarray(added + t[:, None] * drift) if drift.any() else added
@@ -193,15 +199,16 @@ def _turn(states: FloatArray, turns: FloatArray) -> None:
 
 
 def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
-    """Return ω after a low-pass filter, rad/s, (S, 3), by Gauß–Laguerre quadrature of past ω.
+    """Return the output of a low-pass filter of ω, rad/s, (S, 3).
 
-    It is nan if the time constant is negative, or the body turns too far in it.
+    It is a mean of past ω with exponential weights, by Gauß–Laguerre quadrature. It is nan if the
+    time constant is negative, or if the body turns by more than `FURTHEST` in that time.
 
     Parameters
     ----------
-    hypothesis : one hypothesis
-    states : q, scalar first, and the actual ω, (S, 7)
-    t : s, (S,)
+    hypothesis : one hypothesis, which has the time constant and the equations of the past motion
+    states : q, scalar first, and the actual ω, rad/s, (S, 7)
+    t : times of the states, s, (S,)
     """
     time_constant = float(hypothesis.low_pass)
     if not 0 <= time_constant * norms(states[:, 4:]).max() < FURTHEST:
@@ -216,9 +223,14 @@ def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> Floa
 
 
 def _propagated(hypotheses: Hypothesis, states: FloatArray, by: FloatArray) -> FloatArray:
-    """Return states of H hypotheses, (H, S, 7), as they are `by` s, (H,), later.
+    """Return the states, (H, S, 7), to which the equations of H hypotheses lead after some time.
 
-    They are nan for a hypothesis with which the body turns too far by then.
+    They are nan for a hypothesis with which the body turns by more than `FURTHEST` in that time.
+
+    Parameters
+    ----------
+    states : states at the beginning, (H, S, 7)
+    by : the time, s, (H,); if it is negative, earlier states are returned
     """
     speeds = np.linalg.norm(states[..., 4:], axis=-1).max(axis=-1)
     is_near = np.abs(by) * speeds < FURTHEST

@@ -15,19 +15,22 @@ def other_spins(
     motion: Trajectory,
     timestep: float | None,
 ) -> list[str]:
-    """Return the sentence that spins are not those that follow from the recorded ω; often none.
+    """Return a list of the sentence that spins are not those that follow from the recorded ω.
+
+    The list is empty if they are, up to a method's error, or if spins were not recorded.
 
     Parameters
     ----------
     exact, motion : the exact and the recorded motion, at the recording's times
-    timestep : the timestep that the motion was computed with, s; None if unknown
+    recording : the recording, from which spins are taken
+    timestep : timestep with which the motion was computed, s; None if unknown
     """
     if (recorded := recording.arrays.get("spins")) is None:
         return []
     spins = scenario.spins(motion.omega_body, scenario.kept_at_start)
     step = float(np.diff(exact.t).max())
     h = min(timestep or step, step)
-    # A method of order 1 is late by one step.
+    # The spins by a method of order 1 are late by one step at most.
     late = float(norms(np.diff(exact.spins, axis=0)).max()) * h / step
     rounding = rounding_of(recorded, RATES, len(exact.t) * step / h)
     size = float(norms(exact.spins).max())

@@ -1,4 +1,4 @@
-"""Checks a recorded com and its velocity, and finds mistakes in recording that explain errors."""
+"""Checks the recorded com and its velocity, and finds mistakes that explain their errors."""
 
 from collections.abc import Iterator
 
@@ -12,25 +12,30 @@ from .digits import resolution
 from .mistakes import FITS
 from .other_readings import EVERY_AXES, named
 
-#: Least error of com or velocity that is named: as a multiple of the error that the method and the
-#: attitude explain, and as a fraction of the com's largest displacement, or of its largest speed.
+#: Least error of com or velocity that is reported: in multiples of the error that a method and the
+#: attitude's error explain, and as a fraction of the com's largest displacement or speed.
 FAR, PART = 10.0, 0.01
-#: Least error of the velocity at the first sample that is named as another start, as a multiple of
-#: the error that the method and the attitude explain, if the error changes by less afterwards.
+#: Least error of the first velocity that is reported as another start, in multiples of the error
+#: that a method and the attitude's error explain. Later the error must change by less than that.
 AT_START = 2.0
 
 
 def mistakes_of_translation(
     scenario: Scenario, exact: Trajectory, recording: Recording, motion: Trajectory
 ) -> list[str]:
-    """Return the mistakes in recording that explain errors of com and velocity, in words.
+    """Return sentences on the mistakes in recording that explain errors of com and velocity.
 
     Parameters
     ----------
     exact, motion : the exact and the recorded motion, at the recording's times
+    recording : the recording, which says whether com and velocity were recorded
+
+    Returns
+    -------
+    At most one sentence on the com and one on the velocity; often none
     """
     words = []
-    # Errors are compared with the com's distance from its origin and the world's, and with speeds.
+    # Errors of the com are compared with its distances from the origins of body and world.
     lever = float(np.linalg.norm(scenario.constraint.lever))
     speed = float(norms(exact.omega_body).max()) * lever
     for name, candidates, scale in (
@@ -43,7 +48,7 @@ def mistakes_of_translation(
         least = float(norms(getattr(motion, f"{name}_world") - reference).max())
         residuals = {word: _largest(other - reference) for word, other in candidates}
         word = min(residuals, key=residuals.__getitem__)
-        # Where the com rests at the origin, any error becomes small in a smaller unit.
+        # If the com rests at the origin, conversion from a smaller unit makes any error small.
         if least > FITS * scale and residuals[word] < LEFT * min(least, scale):
             words.append(word)
     return words
@@ -56,15 +61,16 @@ def other_translation(
     motion: Trajectory,
     timestep: float | None,
 ) -> list[str]:
-    """Return sentences on errors of com and velocity that no method explains; often none.
+    """Return sentences on errors of com and velocity that are too large for a method; often none.
 
-    The error of the attitude is allowed for, and a constant displacement of the com along axes that
-    it is free to move along.
+    Errors that follow from errors of attitude and ω are allowed. So is a constant displacement of
+    the com, along the axes of the world along which it moves freely.
 
     Parameters
     ----------
     exact, motion : the exact and the recorded motion, at the recording's times
-    timestep : the timestep that the motion was computed with, s; None if unknown
+    recording : the recording, of which com and velocity are checked if they were recorded
+    timestep : timestep with which the motion was computed, s; None if unknown
     """
     t, arrays = exact.t, recording.arrays
     lever = float(np.linalg.norm(scenario.constraint.lever))
@@ -77,10 +83,11 @@ def other_translation(
     speed = norms(exact.omega_body).max()
     spans = np.diff(t)[:, None]
     acceleration = float(norms(np.diff(exact.velocity_world, axis=0) / spans).max())
-    # A method of order 1 is late by one step in velocity at most, which the com's place adds up.
+    # A method of order 1 is late by one step in velocity at most. The error of the com adds up that
+    # of the velocity.
     of_velocity = acceleration * h + lever * (omega_error + speed * attitude_error)
     of_com = (acceleration * h + lever * omega_error) * (t[-1] - t[0]) + lever * attitude_error
-    # Along axes that a constraint holds the com follows from the attitude, and adds up no error.
+    # Along axes that a constraint holds, the com follows from the attitude and adds up no error.
     of_held = _largest(exact.velocity_world) * h + lever * attitude_error
     words, later = list[str](), t[:, None] - t[0]
     flown, is_held = np.zeros_like(exact.com_world), np.array(scenario.constraint.is_held)
@@ -98,7 +105,7 @@ def other_translation(
         off, moved = arrays["com"] - exact.com_world, exact.com_world - exact.com_world[0]
         rounding = rounding_of(arrays["com"], LENGTHS, len(t) * step / h)
         is_off = "the com is not that of the motion: it is"
-        # A soft constraint gives way by a part of the lever.
+        # The error of a soft constraint is compared with the lever: the com may not move at all.
         for axes, other, allowed, extent in (
             (is_held, off, of_held, max(lever, _largest(moved[:, is_held]))),
             (~is_held, off - off[0] - flown, of_com, _largest(moved[:, ~is_held])),
@@ -116,17 +123,19 @@ def far_off(
     rounding: float,
     extent: float,
 ) -> list[str]:
-    """Return the sentence that a quantity's error is far beyond a method's; an empty list if not.
+    """Return a list of the sentence that the error of a quantity is far larger than a method's.
 
-    An error that alternates is noise, which is not judged.
+    The list is empty if it is not, or if the error alternates from sample to sample, as noise does.
+    The numbers below are in `unit`.
 
     Parameters
     ----------
-    is_off : the sentence until "off by", with its verb
-    deviation : deviation from the exact motion, (n, k)
-    allowed : the largest error that a method and the attitude make
+    is_off : the beginning of the sentence, up to the words "off by"
+    unit : unit of the quantity
+    deviation : deviation of the quantity from the exact motion, (n, k)
+    allowed : the largest error that a method and the error of the attitude explain
     rounding : the largest error by rounding
-    extent : the largest size of the quantity, or change of it; all four are in `unit`
+    extent : the largest size of the quantity, or its largest change
     """
     largest = _largest(deviation)
     if not (_is_smooth(deviation) and largest > max(FAR * allowed, PART * extent) + rounding):
@@ -138,7 +147,7 @@ def far_off(
 
 
 def _is_smooth(deviation: FloatArray) -> bool:
-    """Whether a deviation, (n, k), changes slowly; one that alternates is noise."""
+    """Return whether a deviation, (n, k), changes little from sample to sample, unlike noise."""
     changes = float(np.median(norms(np.diff(deviation, axis=0))))
     return changes < LEFT * _largest(deviation)
 
@@ -146,22 +155,24 @@ def _is_smooth(deviation: FloatArray) -> bool:
 def rounding_of(numbers: FloatArray, units: dict[str, float], steps: float) -> float:
     """Return the largest error by rounding, in the unit of `numbers`.
 
-    A printed number is rounded once, and one that an engine adds up in single precision is rounded
-    in each of its steps, too. Few digits may be due to either, so that both errors are added.
+    A number is rounded once when it is printed. If an engine adds it up in single precision, it is
+    also rounded in each step. Numbers of few digits may be due to either, so both errors are added.
 
     Parameters
     ----------
-    units : the units that the numbers may have been printed in, with their sizes
-    steps : number of steps that the engine took
+    numbers : recorded numbers of one quantity, of any shape
+    units : the units in which the numbers may have been printed: their sizes, by name, in the unit
+        of `numbers`
+    steps : the number of steps that the engine took
     """
     once = resolution(numbers, units.values())
     return once + min(once, float(np.finfo(np.float32).eps) * float(np.abs(numbers).max())) * steps
 
 
 def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
-    """Yield possible mistakes of the com, in words, each with the corrected com.
+    """Yield sentences on possible mistakes of the com, each with the corrected com.
 
-    The corrected com is in m, in world axes, (n, 3).
+    The corrected com is in m, along world axes, (n, 3).
     """
     R = matrices(motion.q_world_body_wxyz)
     yield (
@@ -176,9 +187,9 @@ def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatAr
 
 
 def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
-    """Yield possible mistakes of the velocity, in words, each with the corrected velocity.
+    """Yield sentences on possible mistakes of the velocity, each with the corrected velocity.
 
-    The corrected velocity is that of the com, m/s, world axes, (n, 3).
+    The corrected velocity is that of the com, in m/s, along world axes, (n, 3).
     """
     R, v = matrices(motion.q_world_body_wxyz), motion.velocity_world
     swing_world = turned(R, np.cross(motion.omega_body, scenario.constraint.lever))

@@ -48,7 +48,9 @@ def test_an_honest_motion_is_not_accused_any_more(number: int) -> None:
 ACCUSED_OF_THE_LIBRARY = {
     "ω is rounded to 20 rad/s, of an ω that is nearly constant": [("hanging-top", 2, 0.02)],
     "a column is stuck, of attitudes with a method's error": [("middle-axis-off-by-1e-8", 2, 0.02)],
-    "it saturates, of an ω that is constant to an ulp": [("moments-equal-to-1e-14-oblate", 0, 0.02)],
+    "it saturates, of an ω that is constant to an ulp": [
+        ("moments-equal-to-1e-14-oblate", 0, 0.02)
+    ],
     "each state is that of another time, of one that lingers": [
         ("pendulum-just-over", 2, 0.02),
         ("pendulum-just-under", 2, 0.02),
