@@ -37,7 +37,10 @@ def judge(records: Records) -> Verdict:
 
 
 def _judged(records: Records) -> tuple[VerdictWord, str]:
-    """The verdict's word, and the words of a run or of the engine that the verdict quotes."""
+    """Return the verdict's word, and the text that the verdict quotes.
+
+    The text is the ending of a run, or the words of the engine; it may be empty.
+    """
     last, evidence = records.last, records.evidence
     if last is None and records.lacking:
         return "unsupported", records.lacking

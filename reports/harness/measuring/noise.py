@@ -46,11 +46,11 @@ NO_SIZE = 1 / LARGEST
 
 
 def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
-    """The relative change of a body's angular acceleration by rounding of its moments of inertia.
+    """Return the relative change of a body's angular acceleration by rounding of its moments.
 
     Parameters
     ----------
-    condition : as `Places.condition`
+    condition : factor by which a relative error of the moments grows: `Places.condition`
     ulp : relative spacing of the numbers that the moments are rounded to
     """
     return ULPS * ulp * condition
@@ -59,11 +59,11 @@ def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) 
 def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
-    """The standard deviation of the mean gain of repeats, from all sources that are not measured.
+    """Return the standard deviation of gains, which are means of repeats, without measured noise.
 
     Parameters
     ----------
-    condition : as `Places.condition`
+    condition : factor by which a relative error of the moments grows: `Places.condition`
     settled : whether a constraint settled before the steps
 
     Returns
@@ -104,7 +104,7 @@ def noise_of(
 
 
 def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
-    """The noise of gains if each step has a relative error of `NOISE`, (J, 1, Q).
+    """Return the noise of gains if each step has a relative error of `NOISE`, (J, 1, Q).
 
     It is the largest noise of all states, in the units of the gains.
     """
@@ -112,10 +112,11 @@ def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def term_sizes(equations: Equations, steps: Steps) -> FloatArray:
-    """The size of each quantity's rate of change, which gains are compared with, (Q,).
+    """Return the size of each quantity's rate of change, which gains are compared with, (Q,).
 
-    It is the sum of the sizes of the rate's terms, however they cancel, and the largest of all
-    states, in the units of gains. On a pivot it is the size of velocity or com itself.
+    It is the sum of the sizes of the rate's terms, however they cancel. The largest sum of all
+    states is taken, in the units of gains. On a pivot, the sizes of velocity and position are those
+    of velocity and com themselves.
     """
     scenario, reach, states = equations.scenario, equations.reach, steps.before
     speeds = norms(states.omega_body)
@@ -137,7 +138,7 @@ def term_sizes(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
-    """The size of the weakest effect in each quantity, (Q,); infinite where no effect acts.
+    """Return the size of the weakest effect in each quantity, (Q,); infinite where no effect acts.
 
     The size of an effect is the largest size of its term in any state, in the units of gains.
     Torques of the same kind count as one effect. An effect is ignored if `SEEN` times its size is
@@ -154,7 +155,10 @@ def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _torques(equations: Equations, states: State) -> FloatArray:
-    """Sizes of the constant torque, of the torque that depends on ω, and of weight, N m, (n, 3)."""
+    """Return the sizes of three torques in n states, N m, (n, 3).
+
+    They are the constant torque, the torque that depends on ω, and the torque of weight.
+    """
     scenario = equations.scenario
     still, pushed = (
         push(scenario.pushed, np.eye(3), omega)
@@ -167,14 +171,17 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """The largest change of each gain, (J, K, Q), per unit of relative error of the state read."""
+    """Return the largest change of each gain by a relative error of the state, per unit of error.
+
+    The shape is (J, K, Q).
+    """
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
     linear_speed = norms(states.velocity_world) + equations.reach * speeds
     distance = norms(states.com_world) + equations.reach
     momentum = _largest_moment(equations) * speeds
     if states.spins.size:
-        # Where rotors are bodies of their own, their angular momentum is rounded, too.
+        # If an engine has rotors as bodies of their own, their angular momentum is rounded, too.
         momentum = momentum + _largest_rotor_momentum(equations, states)
     sizes = [1 / spans, momentum / spans, linear_speed, distance]
     if not equations.scenario.constraint.is_pivot:
@@ -186,11 +193,11 @@ def roundings(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _largest_rotor_momentum(equations: Equations, states: State) -> FloatArray:
-    """The largest angular momentum, about its axle, of any rotor in n states, kg m²/s, (n,)."""
+    """Return the largest momentum of any rotor about its axle in n states, kg m²/s, (n,)."""
     fastest = norms(states.omega_body) + np.abs(states.spins).max(axis=1)
     return np.asarray(equations.scenario.largest_part * fastest)
 
 
 def _largest_moment(equations: Equations) -> float:
-    """The largest principal moment of inertia about the fixed point, kg m²."""
+    """Return the largest principal moment of inertia about the fixed point, kg m²."""
     return float(np.linalg.norm(equations.scenario.inertia, 2))
