@@ -138,7 +138,7 @@ class Fit:
         """Whether a mistake can have led to these changes with these parameters.
 
         The tensor of inertia must be positive definite, but need not be one that a rigid body can
-        have. What else is required each change states (`Change.is_possible`).
+        have. Each change states what else is required (`Change.is_possible`).
         """
         if not np.linalg.eigvalsh(self.hypothesis.inertia)[0] > 0:
             return False

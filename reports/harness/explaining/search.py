@@ -90,7 +90,7 @@ class Search:
 
     @cached_property
     def single(self) -> list[Fit]:
-        """The fits of the single changes that are promising; none if the data need no change."""
+        """The fits of the single changes that `PROMISING` admits; none if the data need no change."""
         if not self.is_called_for:
             return []
         enough = PROMISING**2 * self.unchanged.mean_square
@@ -120,7 +120,8 @@ class Search:
         """Return the fit with the fewest parameters that explains the data.
 
         A fit with more parameters is returned instead if it lowers χ² significantly, and one with
-        as many parameters if it leaves far smaller residuals.
+        as many parameters if it leaves far smaller residuals. Fits that are not physical, or have
+        too many parameters, are ignored.
 
         Returns
         -------

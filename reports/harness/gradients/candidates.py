@@ -44,7 +44,7 @@ class Exact:
     ----------
     states : the K states
     spans : s, (J,); each is the duration of `steps` steps
-    jacobians : (J, K, 6, 6), as in `jacobians.py`
+    jacobians : the exact Jacobians, rad and rad/s, (J, K, 6, 6)
     units : units in which Jacobians are compared
     steps : number of steps that each Jacobian covers
     """
@@ -74,7 +74,7 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The results of `secant` for each of `POWERS`: under True for central, False for forward."""
+        """The results of `secant` for each of `POWERS`, by its argument `two_sided`."""
         return {
             two_sided: [self.secant(power, two_sided) for power in POWERS]
             for two_sided in (False, True)

@@ -129,7 +129,8 @@ class MethodStudy:
     def names(self) -> list[str]:
         """Return the names of all derivatives: those of the engine, then `OURS`.
 
-        If the engine fails to give any, `THEIRS` stands for them.
+        If a derivative can go through many steps at once, its name with `THROUGH` is among them. If
+        the engine fails to give any derivative, `THEIRS` stands for them.
         """
         if self._none_given:
             return [THEIRS, OURS]

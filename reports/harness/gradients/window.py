@@ -74,7 +74,8 @@ def exact_along(
 
     Raises
     ------
-    IntegrationError If the motion or a derivative cannot be integrated that far.
+    IntegrationError
+        If the motion or a derivative cannot be integrated that far.
     """
     (solution,) = solve_cheaply(scenario, [timestep * np.array(counts, dtype=float)])
     motion = solution.trajectory
@@ -166,7 +167,8 @@ def gradients_along(
 
     Raises
     ------
-    EngineError If a Jacobian or ω is not finite, or so large that it is about to overflow.
+    EngineError
+        If a Jacobian or ω is not finite, or so large that it is about to overflow.
     """
     equations = Equations(scenario)
     along = []

@@ -115,7 +115,8 @@ def _examine_or_raise(
 
     Raises
     ------
-    EngineError If a session cannot be opened or stepped.
+    EngineError
+        If a session cannot be opened or stepped.
     """
     if engine.unsupported(scenario, method):
         return None
@@ -176,11 +177,11 @@ class _Examination:
         return StepFault("misread", "attitude", time, 0.0, (omega, turn, spins), zero, changes)
 
     def unless_random(self, found: StepEvidence) -> StepEvidence:
-        """Return the evidence, with a fault `random` in place of its own if the engine is random.
+        """Return the evidence; its fault becomes `random` if the engine is not deterministic.
 
-        It is random if the steps that show the fault, taken twice more from the same states, differ
-        by a quarter of the fault or more. As the fault is the largest deviation among many steps,
-        two of them rarely differ by all of it.
+        It is not if the steps that show the fault, taken twice more from the same states, differ by
+        a quarter of the fault or more. As the fault is the largest deviation among many steps, two
+        of them rarely differ by all of it.
         """
         if (fault := found.fault) is None:
             return found
@@ -204,9 +205,10 @@ class _Examination:
     def look(self) -> Look:
         """The steps, and the series of their gains, by which the method is judged.
 
-        Constraints that give way settle before these steps. In single precision more repeats are
-        taken, until the limits are known well enough for a verdict, or until further repeats no
-        longer help.
+        Constraints that give way settle before these steps. If a fault is not clear, shorter steps
+        are taken as well, but only in double precision. In single precision more repeats are taken,
+        until the limits are known well enough for a verdict, or until further repeats no longer
+        help.
         """
         is_single, look, repeats = self.sessions.engine.single_precision, self.first, self._repeats
         settle, settling = 0, SETTLING // (1 + is_single)
@@ -346,7 +348,7 @@ class _Examination:
 
 
 def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
-    """Return whether a constraint is soft and gives way, so that it must settle first.
+    """Return whether a soft constraint gives way, so that it must settle before steps are judged.
 
     If it does, the distance of com or velocity from the values that the constraint demands depends
     on the timestep. If instead the engine holds another body, or misreads it, that distance is the
@@ -397,7 +399,7 @@ def _is_clear_fault(look: Look) -> bool:
 
 
 def _with_noise(look: Look, again: Look, most: FloatArray) -> Look:
-    """Return steps with the difference of their gains from those of other steps added to the noise.
+    """Return steps whose noise includes the difference of their gains from those of other steps.
 
     As that difference may be small by accident at one timestep, the largest difference at a
     timestep and its neighbours is used, up to a bound.

@@ -43,7 +43,7 @@ class Gains(Data):
     noise: FloatArray
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return what H hypotheses leave of the limits, in units of `scale`, (H, K, 4, 3)."""
+        """Return the limits less what H hypotheses explain, in units of `scale`, (H, K, 4, 3)."""
         made = np.stack([self.made(hypotheses[k]) for k in range(len(hypotheses))])
         off = (self.excess - made + self.exact) / self.scale[..., None]
         return np.asarray(off)

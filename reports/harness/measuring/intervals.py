@@ -215,8 +215,8 @@ class Replay:
     ----------
     evidence : the differences as they are stored
     worst : the indices of the K intervals that differ the most
-    off : differences between the final states of these K replays and the run's, as
-        `state_differences`, (K, 5, 3)
+    off : differences of the final states of these K replays from the run's, in the quantities
+        and units of `state_differences`, (K, 5, 3)
     passage : the states that all replays pass through
     """
 

@@ -46,7 +46,7 @@ NO_SIZE = 1 / LARGEST
 
 
 def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
-    """Return the relative change of a body's angular acceleration by rounding of its moments.
+    """Return the relative change of an angular acceleration by rounding of moments of inertia.
 
     Parameters
     ----------
@@ -59,11 +59,13 @@ def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) 
 def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
-    """Return the standard deviation of gains, which are means of repeats, without measured noise.
+    """Return the standard deviation of the noise of gains, from all sources that are not measured.
+
+    The gains are means of repeats. The sources are listed at the top of this module.
 
     Parameters
     ----------
-    condition : factor by which a relative error of the moments grows: `Places.condition`
+    condition : factor by which a relative error of moments of inertia grows: `Places.condition`
     settled : whether a constraint settled before the steps
 
     Returns

@@ -325,7 +325,7 @@ def _inverse_radii(measured: Measured) -> FloatArray:
 
 
 def _tail(squares: FloatArray) -> FloatArray:
-    """Return the probabilities that χ² of three degrees of freedom is at least as large as numbers.
+    """Return for each number the probability that χ² of three degrees of freedom is as large.
 
     This closed form (Abramowitz & Stegun, §26.4.4) takes a quarter of the time of scipy's `chdtrc`.
     """
@@ -334,13 +334,13 @@ def _tail(squares: FloatArray) -> FloatArray:
 
 
 def _normalised(logarithms: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return probabilities that add up to 1 over the first axis, given their unscaled logarithms.
+    """Return probabilities that add up to 1 over the first axis, given logarithms of weights.
 
     `softmax` and `logsumexp` of scipy take several times as long.
 
     Returns
     -------
-    The probabilities, and the logarithm of the sum before they were normalised
+    The probabilities, and the logarithm of the sum of the weights
     """
     largest = logarithms.max(axis=0)
     weights = np.exp(logarithms - largest)

@@ -32,7 +32,7 @@ class Sessions:
     Attributes
     ----------
     first : the session that is kept
-    batches : batches of copies of the scene that are kept, by their numbers of copies
+    batches : open batches, each of several copies of the scene, by the number of copies
     """
 
     engine: Engine
@@ -156,7 +156,8 @@ def steps_from(
 
     Raises
     ------
-    EngineError If the square of a component of a state is not finite, because of overflow.
+    EngineError
+        If the square of a component of a state is not finite, because of overflow.
     """
     scenario, count = sessions.scenario, len(states.omega_body)
     before, after = list[Any](), list[Any]()
