@@ -31,7 +31,7 @@ def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
     inertia, of_com = np.array(scenario.inertia), np.array(scenario.body.inertia_com)
     seen = [inertia]
     for kind, numbers, wrong in _of_mistakes(scenario, of_com):
-        # The scene's tensor is about the pivot, without the axial moments of free parts.
+        # The scene's tensor is about the pivot, without the axial moments of rotors on free hinges.
         tensor = wrong + (inertia - of_com)
         is_new = all(np.abs(tensor - other).max() > SAME * np.abs(other).max() for other in seen)
         moments = np.linalg.eigvalsh(tensor)

@@ -90,7 +90,7 @@ class Search:
 
     @cached_property
     def single(self) -> list[Fit]:
-        """The fits of the single changes that `PROMISING` admits; none if the data need no change."""
+        """The fits of single changes that `PROMISING` admits; none if the data need no change."""
         if not self.is_called_for:
             return []
         enough = PROMISING**2 * self.unchanged.mean_square

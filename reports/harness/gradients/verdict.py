@@ -120,7 +120,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     if is_own and reason:
         reason += "; the engine's own steps do the same"
     elif not is_own and not reason:
-        # If q is not normalised, its norm is a factor of the attitude's rows (`in_chart`).
+        # If the engine does not normalise q, the norm of q is a factor of the attitude's rows.
         rows, turned = apart[..., :3, :], wanted[..., :3, :]
         factor = (rows * turned).sum((2, 3), keepdims=True) / (turned**2).sum((2, 3), keepdims=True)
         left = np.concatenate([rows - factor * turned, apart[..., 3:, :]], axis=2)

@@ -45,9 +45,9 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
     if last is None and records.lacking:
         return "unsupported", records.lacking
     if last and last.outcome in ("failed", "unsupported"):
-        # A scene that a method cannot simulate at one timestep it cannot simulate at any.
+        # If a method cannot simulate a scene at one timestep, it cannot at any.
         return last.outcome, last.ending_in_words
-    # The reason of a run as shipped says how the engine's model differs from the scene.
+    # A run as shipped says how the engine's model differs. With the cause `law`, the evidence does.
     quoted = last.reason if last and last.cause != "law" else ""
     faults = (one.fault for one in (evidence.steps, evidence.own_steps) if one)
     if any(faults):

@@ -4,9 +4,9 @@ The sources, with their standard deviations, are:
 
 - Rounding of the state: `ULPS` ulp of each component, as a step of an engine rounds a few times. It
   is smaller in a mean of repeats, unless the rounding is biased (`examine.py`).
-- The body in the engine: the difference that is allowed when the body is read back
-  (`Engine.slack`); in single precision, the effect of rounding its moments.
-- Rounding of moments: `ULPS` ulp times the condition number of the tensor of inertia, or of the
+- The body that the engine holds: the difference from the scene's that its read-back allows
+  (`Engine.slack`); in single precision, the effect of rounding its moments of inertia.
+- Rounding of moments of inertia: `ULPS` ulp times the condition number of their tensor, or of the
   mass matrix where the com is far from the body's origin, as an error of I dω/dt; and the angle by
   which that error turns the body (Higham, Accuracy and Stability of Numerical Algorithms, §7.1).
 - Flight: `ULPS` ulp of m v², as a torque, because engines may solve for rotation and translation
@@ -15,10 +15,11 @@ The sources, with their standard deviations, are:
 - Rotors: `ULPS` ulp of the forces that cancel between the rotors, and of the torques that cancel
   about their axes (`Scenario.cancelling`). Noise of I dω/dt turns the rotors, too.
 - Contact: `ULPS` ulp of the com's position, which the constraint corrects within a step.
-- A turn in a step that a solver ignores, as the adapter declares (`Engine.least_turn`).
+- The largest turn in a step that the engine ignores, as its adapter declares
+  (`Engine.least_turn`).
 - The solver of a constraint: `SOLVED` of the largest terms. In addition it is measured, by letting
   the constraint settle further, up to `CONSISTENT` of the largest terms (`examine.py`).
-- Noise of the engine that is no fault: it is measured, up to `NOISE` a step (`examine.py`).
+- Other noise of the engine: it is measured, and is no fault up to `NOISE` a step (`examine.py`).
 """
 
 import numpy as np

@@ -17,7 +17,7 @@ SPREAD = 12
 #: Directions of ω in the body in two further states. They are along none of the coordinate axes, so
 #: that no torque vanishes by symmetry if these are the principal axes.
 ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
-#: Number of timesteps of single steps, each half of the one before.
+#: Number of timesteps, each half of the one before, with which single steps are taken.
 HALVINGS = 10
 #: Number of times that timesteps are halved where shorter ones are needed, for example if a method
 #: refuses the longest.

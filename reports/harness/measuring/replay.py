@@ -163,7 +163,7 @@ def _noise(intervals: Intervals, condition: float) -> FloatArray:
     engine, scenario = intervals.sessions.engine, intervals.sessions.scenario
     run, steps = intervals.run, intervals.steps
     states = states_of(run.motion)
-    # In double precision an engine may compose the body of its parts anew at each restart.
+    # In double precision an engine may add up the body's moments of inertia anew at each restart.
     composed = 0.0 if engine.single_precision else rounding_of_body(condition)
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
     noise = np.repeat(walk[:, None], len(QUANTITIES), axis=1)
