@@ -1,8 +1,8 @@
-"""The changes of a scene's equations of motion that may explain a motion computed wrongly.
+"""Changes of a scene's equations of motion, as mistakes in an engine or in a scene may cause them.
 
-A change with k > 0 parameters changes nothing if these are zero, and they are fitted. A change
-without parameters sets terms of the equations to given values. The same changes explain the gains
-of an engine's steps, and recorded motions.
+A change may have parameters, which are fitted to data. With parameters of zero it changes nothing.
+A change without parameters sets terms of the equations to given values. The same changes are tried
+as explanations of the gains of an engine's steps and of recorded motions.
 """
 
 from collections.abc import Callable, Iterator
@@ -35,12 +35,14 @@ from .other_tensors import (
     without_rotation,
 )
 
-#: Conventions of Euler angles, whose rates may be confused with ω: the indices of the axes of the
-#: three intrinsic rotations, in their order. The rates are in the order x, y, z if all three axes
-#: differ, and else in the order of the rotations. The convention zxz is left out, as its angles
-#: have the same rates as those of zyz.
+#: Conventions of Euler angles, for the mistake of taking ω for the rates of such angles: the
+#: indices of the axes of three intrinsic rotations, in their order. If all three axes differ, ωx,
+#: ωy and ωz are taken for the rates of the angles about x, y and z; else for the rates of the
+#: first, second and third angle. The convention zxz is left out, as its angles have the same rates
+#: as those of zyz.
 EULER_ANGLES = (*permutations(range(3)), (2, 1, 2))
-#: Which components of a vector are taken for its x, y and z: 1 to 3, negative for the other sign.
+#: Mistaken orders and signs of a vector's components. The three numbers say which component, 1 to
+#: 3, is taken for x, for y and for z; a negative number means the component with the other sign.
 #: The vector itself and its negative are left out.
 OTHER_COMPONENTS = [
     [sign * (axis + 1) for sign, axis in zip(signs, axes, strict=True)]
@@ -51,12 +53,12 @@ OTHER_COMPONENTS = [
 
 
 def changes(scenario: Scenario) -> Iterator[Change]:
-    """All changes of a scene's equations of motion, the more specific ones first."""
+    """Yield all changes of a scene's equations of motion that are tried, specific ones first."""
     equations = equations_of(scenario)
     yield from _of_kinematics()
     yield from _of_gyroscopic_torque(scenario, equations)
-    # Changes of effects come before other tensors: a tensor so large that drag or a torque hardly
-    # acts on the body explains the same motion.
+    # Changes of effects come before other tensors. If an engine leaves out drag or a torque, a
+    # tensor so large that this effect hardly matters explains the same motion.
     yield from of_effects(scenario, equations)
     for kind, numbers, tensor in other_tensors(scenario):
         yield set_to(kind, numbers, **_body(tensor))
@@ -65,12 +67,17 @@ def changes(scenario: Scenario) -> Iterator[Change]:
 
 
 def _body(tensor: FloatArray) -> dict[str, Any]:
-    """The terms of the equations of motion, by name, that a tensor of inertia, kg m², makes."""
+    """Return the entries of `OtherEquations` that a tensor of inertia determines, by name.
+
+    Parameters
+    ----------
+    tensor : kg m², (3, 3)
+    """
     return {"inertia": tensor, "inverse": inverse(tensor), "gyroscopic": tensor}
 
 
 def _of_kinematics() -> Iterator[Change]:
-    """Changes of how the attitude follows from ω."""
+    """Yield changes of how the attitude follows from ω."""
     yield set_to("wrong side", kinematics=WORLD)
     yield set_to("wrong side, no ½", kinematics=WORLD, turning=2 * np.eye(3))
     yield set_to("wrong side, reversed", kinematics=WORLD, turning=-np.eye(3))
@@ -93,9 +100,11 @@ def _of_kinematics() -> Iterator[Change]:
 
 
 def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes of the gyroscopic torque ω × Gω, and of the axes along which tensors are constant.
+    """Yield changes of the gyroscopic torque ω × (G ω + h), and of how the tensor of inertia turns.
 
-    Changes of the angular momentum of rotors, and of the inverse tensor, are among them.
+    h is the angular momentum of rotors; changes of h are among them. One change takes a wrong
+    inverse of the tensor of inertia. Others keep the tensor constant along world axes, although it
+    turns with the body.
     """
     inertia, of_com = e.inertia, np.array(scenario.body.inertia_com)
     yield set_to("gyroscopic", (1.0,), gyroscopic=0 * inertia, kept=0 * e.kept)
@@ -107,7 +116,7 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         yield from of_momentum(e)
         body = scenario.body
         of_all = np.array(body.inertia_origin if scenario.about == "pivot" else body.inertia_com)
-        # The axial moments of parts on free hinges are left out of the tensor that multiplies ω'.
+        # The tensor that multiplies ω' lacks the axial moments of rotors on free hinges.
         if (of_all != inertia).any():
             yield set_to("spins left out", gyroscopic=of_all, kept=0 * e.kept)
         yield from factors("gyroscopic, with parts", gyroscopic=inertia, kept=e.kept)
@@ -130,8 +139,8 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
         yield set_to(kind, **terms)
         yield set_to(f"{kind}, not gyroscopic", **{**terms, "gyroscopic": 0 * inertia})
     yield set_to("tensor turned on", tensor_turns=2)
-    # As ω × (c ω) is zero, G is known only up to a multiple of the identity. The G that is nearest
-    # to I, which has the same trace, is fitted.
+    # As ω × (c ω) is zero, a motion shows G only up to a multiple of the identity. So the trace of
+    # G stays that of I.
     yield _with_trace(
         "gyroscopic tensor",
         inertia,
@@ -141,7 +150,10 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
 
 
 def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that fit the tensor of inertia or a part of it, the com, or the lever."""
+    """Yield changes that fit the tensor of inertia or some of its entries, the com, or the lever.
+
+    The lever is mass times com in the torque of gravity.
+    """
     moments, axes = np.linalg.eigh(e.inertia)
     size, how = mean_moment(e), "" if is_scaled(e) else UP_TO_A_FACTOR
     if is_scaled(e):
@@ -156,22 +168,38 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
 
 
 def has_tensor(h: Hypothesis, _: FloatArray) -> bool:
-    """Whether the tensor of inertia of a hypothesis is that of a rigid body."""
+    """Return whether a rigid body can have the tensor of inertia of a hypothesis."""
     return is_of_a_body(h.inertia)
 
 
 def _with_moments(axes: FloatArray, h: Hypothesis, moments: FloatArray) -> Hypothesis:
-    """Return H hypotheses with principal moments, kg m², (H, 3), about given axes, (3, 3)."""
+    """Return H hypotheses with other principal moments of inertia about given axes.
+
+    Parameters
+    ----------
+    axes : the axes, as orthonormal columns, (3, 3)
+    moments : kg m², (H, 3)
+    """
     return h.with_inertia((axes * moments[:, None]) @ axes.T)
 
 
 def _scaled_tensor(h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """Return H hypotheses with the tensors of inertia times 1 + n, (H, 1)."""
+    """Return H hypotheses with their tensors of inertia multiplied by 1 + n.
+
+    Parameters
+    ----------
+    n : (H, 1)
+    """
     return h.with_inertia((1 + n[:, :, None]) * h.inertia)
 
 
 def _with_entry(e: OtherEquations, at: int) -> Change:
-    """The change of one entry of the tensor, as by a misprint; `at` is its index in `ENTRIES`."""
+    """Return the change that adds a fitted number to one entry of the tensor of inertia.
+
+    Parameters
+    ----------
+    at : index of the entry in `ENTRIES`
+    """
     entries, unit = tensor_entries(e.inertia), np.eye(6)[at]
 
     def changed(h: Hypothesis, n: FloatArray) -> Hypothesis:
@@ -183,13 +211,21 @@ def _with_entry(e: OtherEquations, at: int) -> Change:
 
 
 def _rotated_tensor(h: Hypothesis, turn: FloatArray) -> Hypothesis:
-    """Return H hypotheses with the tensors turned by rotation vectors, rad, (H, 3)."""
+    """Return H hypotheses with their tensors of inertia turned.
+
+    Parameters
+    ----------
+    turn : rotation vectors, rad, (H, 3)
+    """
     R = Rotation.from_rotvec(turn).as_matrix()
     return h.with_inertia(R @ h.inertia @ np.swapaxes(R, 1, 2))
 
 
 def tensor(e: OtherEquations) -> Change:
-    """The change that fits the whole tensor, with a fixed trace if no torque shows its scale."""
+    """Return the change that fits the whole tensor of inertia.
+
+    If the motion does not show the tensor's scale, its trace stays as it is.
+    """
     if not is_scaled(e):
         of_body = Hypothesis.with_inertia, has_tensor
         return _with_trace(f"tensor{UP_TO_A_FACTOR}", e.inertia, *of_body)
@@ -208,12 +244,14 @@ def _with_trace(
     apply: Callable[[Hypothesis, FloatArray], Hypothesis],
     is_possible: Callable[[Hypothesis, FloatArray], bool],
 ) -> Change:
-    """The change that fits a tensor with a fixed trace, by the deviations of all entries but Ixx.
+    """Return the change that fits a tensor whose trace stays as it is.
+
+    Its parameters are the deviations of all entries but Ixx, which follows from the trace.
 
     Parameters
     ----------
     nominal : the tensor without the change, kg m², (3, 3)
-    apply : puts changed tensors, (H, 3, 3), into H hypotheses
+    apply : returns H hypotheses with changed tensors, (H, 3, 3)
     kind, is_possible : as in `Change`
     """
     entries = tensor_entries(nominal)
@@ -231,7 +269,10 @@ def _with_trace(
 
 
 def is_scaled(e: OtherEquations) -> bool:
-    """Whether torques, drag, rotors or a table let a motion show the scale of the tensor."""
+    """Return whether torques, drag, rotors or a table let a motion show the scale of the tensor.
+
+    The motion of a body that turns freely shows only ratios of its moments of inertia.
+    """
     pulled = e.pull.any() and e.gravity_world.any()
     pushed = e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any()
     return bool(pulled or pushed or e.mobility)

@@ -15,17 +15,22 @@ from ....reference.other_equations import (
 from ....scenarios import FloatArray, Scenario
 from .hypothesis import Change, Hypothesis, factors, fitted, set_to
 
-#: Largest absolute value of the power of ‖ω‖ in a drag's coefficient.
+#: Largest absolute value of p where a drag f ‖ω‖ᵖ ω is fitted.
 POWER = 4.0
-#: Powers of ‖ω‖ in the coefficients of quadratic drag and of dry friction.
+#: The powers p of quadratic drag and of dry friction.
 POWERS = 1.0, -1.0
 #: The names of the numbers of `OtherEquations.slowing`.
 SLOWING = "c", "a", "b"
 
 
 def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes of gravity, drag and torques; `e` has the scene's own equations."""
-    # The recorded rotation of a free body does not show gravity, but an engine's steps do.
+    """Yield changes of gravity, drag and torques.
+
+    Parameters
+    ----------
+    e : the scene's own equations
+    """
+    # Gravity does not change the rotation of a free body, but the com's motion shows it.
     if e.gravity_world.any():
         yield from factors("gravity's size", 0.0, -1.0, gravity_world=e.gravity_world)
     of_com = scenario.body.mass * np.array(scenario.body.com)
@@ -51,13 +56,13 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that scale the scene's constant torques, or add a constant torque."""
+    """Yield changes that scale the scene's constant torques, or add a constant torque."""
     yield from _scaled_torques(e)
     yield from _additional_torques(scenario, e)
 
 
 def _additional_torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that add a constant torque, N m, along body axes or along world axes."""
+    """Yield changes that add a fitted constant torque, along body axes or along world axes."""
     size = usual_torque(scenario, e)
     for kind, name in (
         ("torque along body axes", "torque"),
@@ -67,18 +72,18 @@ def _additional_torques(scenario: Scenario, e: OtherEquations) -> Iterator[Chang
 
 
 def _scaled_torques(e: OtherEquations) -> Iterator[Change]:
-    """Changes that scale the constant torques of a scene; none if it has no such torques."""
+    """Yield changes that scale the constant torques of a scene; none if it has no such torques."""
     if e.torque.any() or e.torque_world.any():
         terms_of_torque: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
         yield from factors("torque's size", 0.0, -1.0, **terms_of_torque)
 
 
 def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
-    """Changes in which the angular momentum decays, besides the scene's drag or in place of it.
+    """Yield changes in which angular momentum decays, with the scene's drag or in place of it.
 
     Parameters
     ----------
-    rate : scale of the fitted rate, 1/s
+    rate : typical size of the fitted rate, 1/s
     """
     none = np.zeros(2)
     yield fitted("decay", none[:1], rate, partial(_with_drag, "a"))
@@ -88,7 +93,7 @@ def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
             *(none[:1], rate),
             lambda h, n: h.of(slowing=n * np.eye(3)[1]),
         )
-    # In a damping at the rate a + b ‖ω‖, a and b have the same sign.
+    # If L decays at the rate a + b ‖ω‖, a and b must have the same sign to be plausible.
     yield fitted(
         "decays",
         *(none, np.array([rate, 1.0])),
@@ -98,7 +103,7 @@ def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
 
 
 def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None) -> Change:
-    """The change to a drag f ‖ω‖ᵖ ω in place of the scene's drag, with a fitted f.
+    """Return the change that replaces the scene's drag by a drag f ‖ω‖ᵖ ω, with a fitted f.
 
     Parameters
     ----------
@@ -107,9 +112,10 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
     c, rate = e.slowing[0], usual_rate(scenario, e)
 
     def friction(n: FloatArray) -> FloatArray:
-        """Return f and p, (..., 2), by the parameters, (..., 1) or (..., 2).
+        """Return f and p, (..., 2), given the parameters n, (..., 1) or (..., 2).
 
-        At ‖ω‖ = `rate` the first parameter is added to c, the coefficient of the scene's drag.
+        The first parameter is f rateᵖ − c, with c the coefficient of the scene's drag: by this much
+        the coefficient at ‖ω‖ = `rate` differs from the scene's. The second, if any, is p.
         """
         added = n[..., 0]
         p = np.clip(n[..., 1], -POWER, POWER) if power is None else np.full_like(added, power)
@@ -124,12 +130,12 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
 
 
 def drags_of_other_powers(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that make drag quadratic, or dry friction, with a coefficient that is fitted."""
+    """Yield the changes that replace drag by quadratic drag and by dry friction, of fitted size."""
     yield from (drags_law(scenario, e, power) for power in POWERS)
 
 
 def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes of how drag depends on ω, in place of the scene's drag."""
+    """Yield changes that replace the scene's drag by another function of ω."""
     c, size = e.slowing[0], mean_moment(e) * usual_rate(scenario, e)
     yield drags_law(scenario, e)
     yield fitted(
@@ -143,7 +149,13 @@ def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _with_torque(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
-    """Return H hypotheses with torques, N m, (H, 3), added to the term `name`."""
+    """Return H hypotheses with torques added to one of their terms.
+
+    Parameters
+    ----------
+    name : the name of the term
+    torque : N m, (H, 3)
+    """
     return h.of(**{name: getattr(h, name) + torque})
 
 
@@ -158,7 +170,7 @@ def _with_drag(names: Sequence[str], h: Hypothesis, n: FloatArray) -> Hypothesis
 
 
 def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Changes that scale the scene's drag, or add linear drag where the scene has none."""
+    """Yield changes that scale the scene's drag, or add linear drag where the scene has none."""
     if e.slowing[0]:
         yield from factors("resistance's size", 0.0, -1.0, slowing=e.slowing)
         return
@@ -167,9 +179,9 @@ def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """The change of the centre of mass, and so of gravity's torque and of the tensor.
+    """Yield the change of the com, and with it of gravity's torque and the tensor about the pivot.
 
-    It is yielded only if a motion shows it: on a pivot, under gravity.
+    It is yielded only for a body on a pivot under gravity, as other motions do not show it.
     """
     if scenario.constraint.is_pivot and e.gravity_world.any():
         place, mass = np.array(scenario.body.com), scenario.body.mass
@@ -182,13 +194,13 @@ def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _of_parallel_axes(r: FloatArray) -> FloatArray:
-    """Return r² 1 − r rᵀ, m², (..., 3, 3), of vectors r, m, (..., 3)."""
+    """Return r² 1 − r rᵀ, m², (..., 3, 3), for vectors r, m, (..., 3)."""
     squares = np.sum(r**2, axis=-1)[..., None, None]
     return np.asarray(squares * np.eye(3) - r[..., :, None] * r[..., None, :])
 
 
 def lever(e: OtherEquations) -> Iterator[Change]:
-    """The change of mass times com, kg m, in the torque of gravity, with an unchanged tensor.
+    """Yield the change of gravity's lever, mass times com, kg m, while the tensor stays as it is.
 
     It is yielded only if gravity has a torque.
     """
@@ -198,23 +210,23 @@ def lever(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_momentum(e: OtherEquations) -> Iterator[Change]:
-    """Changes that scale the rotors' angular momentum; none if the rotors have none."""
+    """Yield changes that scale the rotors' angular momentum; none if it is zero."""
     if e.kept.any():
         yield from factors("momentum", 0.0, -1.0, kept=e.kept)
 
 
 def mean_moment(e: OtherEquations) -> float:
-    """The mean principal moment of inertia, kg m²."""
+    """Return the mean principal moment of inertia, kg m²."""
     return float(np.trace(e.inertia)) / 3
 
 
 def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
-    """The size of a torque that changes the motion while the body turns by about a radian, N m."""
+    """Return a typical torque, N m: it changes the motion while the body turns by a radian."""
     return mean_moment(e) * usual_rate(scenario, e) ** 2
 
 
 def usual_rate(scenario: Scenario, e: OtherEquations) -> float:
-    """The rate, rad/s, by which the parameters of changes are scaled.
+    """Return a typical rate of the motion, rad/s, from which scales of parameters are computed.
 
     It is `OtherEquations.rate`, or ‖ω‖ at the scene's start if that is 0, or 1 if both are 0.
     """

@@ -1,7 +1,8 @@
 """Fits the parameters of changes to data, by nonlinear least squares.
 
-Residuals are in units of their standard deviation, which noise and a method's error make. Their
-sum of squares is χ². Scaled parameters are parameters in units of `Change.scales`.
+Residuals are in units of their standard deviation, which is that of noise and a method's error
+together. The sum of their squares is χ². Scaled parameters are parameters in units of
+`Change.scales`.
 """
 
 from abc import ABC, abstractmethod
@@ -19,14 +20,14 @@ from ....scenarios import FloatArray
 from ...results.evidence import Explanation
 from .hypothesis import SMALL, Change, Hypothesis
 
-#: The residual that stands for nan, and the largest size of a residual: no motion is that far off.
+#: The residual in place of nan, and the largest size of any residual: no motion is that far off.
 NOT_FINITE = 1e30
 #: Singular values of a Jacobian below this, relative to the largest, count as zero.
 RANK = 1e-6
 EPS, TINY = float(np.finfo(float).eps), float(np.finfo(float).tiny)
 #: The largest number of times that a fit computes its residuals and their derivatives.
 EVALUATIONS = 20
-#: Tolerances of scaled parameters at which a fit ends: to all data, and to a part of them.
+#: Relative change of the scaled parameters at which a fit ends: a fit to all data, and to a part.
 TOLERANCE, ROUGH = 1e-9, 1e-3
 #: If a fit to a part of the data leaves a larger mean square than this, it is not continued: with
 #: more of the data there are only local minima.
@@ -47,40 +48,49 @@ class Data(ABC):
 
     @abstractmethod
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """The residuals of H hypotheses; nan where a hypothesis leads to no finite motion.
+        """Return the residuals of H hypotheses, (H, ...); nan for one that has no finite motion.
 
-        Returns
-        -------
-        (H, ...), of any shape beyond the first axis
+        The shape beyond the first axis is that of the data.
         """
 
     def prior_residuals(self, hypotheses: Hypothesis) -> FloatArray:
-        """The deviations of p numbers of H hypotheses from their prior means, (H, p).
+        """Return the deviations of p numbers of H hypotheses from their prior means, (H, p).
 
-        They are in units of the prior standard deviations; empty if there is no prior.
+        They are in units of the prior standard deviations. Without a prior, p is 0.
         """
         return np.empty((len(hypotheses), 0))
 
     @property
     def correlated(self) -> float:
-        """How many residuals are correlated, so that together they count as one in χ²."""
+        """How many residuals are correlated with each other, so that they count as one in χ²."""
         return 1.0
 
     @property
     def beginnings(self) -> Sequence["Data"]:
-        """The first samples, then more and more of them, to be fitted in turn; all data at last."""
+        """The data to be fitted in turn: the first samples, then more and more, and at last all."""
         return (self,)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """The decrease of χ² from the residuals before a change to those after it, in any shape."""
+        """Return the decrease of χ² by a change.
+
+        Parameters
+        ----------
+        before, after : the residuals without and with the change, in the same shape
+        """
         return float(self.chi2_decreases(before.ravel(), after.reshape(1, -1))[0])
 
     def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:
-        """The decreases of χ² from the residuals before M changes, (m,), to those after, (M, m)."""
+        """Return the decreases of χ² by each of M changes, (M,).
+
+        Parameters
+        ----------
+        before : the residuals without a change, (m,)
+        after : the residuals with each change, (M, m)
+        """
         return np.asarray(np.sum(before**2) - np.sum(after**2, axis=1)) / self.correlated
 
     def residuals(self, hypotheses: Hypothesis) -> FloatArray:
-        """The residuals of H hypotheses, all of them finite, (H, m)."""
+        """Return the residuals of H hypotheses, all of them finite, (H, m)."""
         finite = np.nan_to_num(self.deviations(hypotheses), nan=NOT_FINITE)
         return np.clip(finite, -NOT_FINITE, NOT_FINITE).reshape(len(hypotheses), -1)
 
@@ -91,8 +101,8 @@ class Fit:
 
     Attributes
     ----------
-    hypothesis : the result of the changes with these parameters, one hypothesis
-    parameters : the parameters of all changes, in the order of these, not scaled, (k,)
+    hypothesis : the one hypothesis that the changes with these parameters lead to
+    parameters : the parameters of all changes, in the order of `changes`, not scaled, (k,)
     covariance : covariance of the parameters given the data and the prior, (k, k); it is right only
         if the residuals are noise
     residuals : in units of their standard deviation, (m,)
@@ -125,10 +135,10 @@ class Fit:
 
     @property
     def is_physical(self) -> bool:
-        """Whether a motion may have been computed with these changes and parameters.
+        """Whether a mistake can have led to these changes with these parameters.
 
-        The tensor of inertia must be positive definite, though a mistake may lead to one that no
-        rigid body has. Each change states what else is required (`Change.is_possible`).
+        The tensor of inertia must be positive definite, but need not be one that a rigid body can
+        have. Each change states what else is required (`Change.is_possible`).
         """
         if not np.linalg.eigvalsh(self.hypothesis.inertia)[0] > 0:
             return False
@@ -137,23 +147,23 @@ class Fit:
         return all(change.is_possible(self.hypothesis, fitted) for change, fitted in each)
 
     def columns(self, change: Change) -> slice:
-        """The indices of one change's parameters among all parameters."""
+        """Return where one change's parameters are in `parameters`, as a slice."""
         at = sum(len(one.scales) for one in self.changes[: self.changes.index(change)])
         return slice(at, at + len(change.scales))
 
     def parameters_of(self, change: Change) -> FloatArray:
-        """The fitted parameters of one change; zeros if it is not among the changes."""
+        """Return the fitted parameters of one change, (k,); zeros if it is not in `changes`."""
         is_made = change in self.changes
         return self.parameters[self.columns(change)] if is_made else np.zeros(len(change.scales))
 
     def explanation(self, change: Change) -> Explanation:
-        """One change with its fitted parameters, as it is stored."""
+        """Return one change with its fitted parameters, in the form in which it is stored."""
         return change.explanation(self.parameters_of(change))
 
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """A change whose residuals are taken as linear in its k parameters.
+    """A change whose residuals are approximated as linear in its k parameters.
 
     Attributes
     ----------
@@ -166,7 +176,7 @@ class Linear:
 
     @cached_property
     def mean_square(self) -> float:
-        """The mean square of the residuals with the best parameters."""
+        """The mean square of the residuals with the parameters that make it smallest."""
         if not self.jacobian.shape[1]:
             return mean_square(self.residuals)
         best = np.linalg.lstsq(self.jacobian, self.residuals, rcond=RANK)[0]
@@ -175,7 +185,7 @@ class Linear:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Changes whose parameters are to be fitted."""
+    """Changes made together, whose k parameters are to be fitted to data."""
 
     data: Data
     changes: tuple[Change, ...]
@@ -186,7 +196,12 @@ class Trial:
         return np.concatenate([np.empty(0), *(change.scales for change in self.changes)])
 
     def hypotheses(self, x: FloatArray) -> Hypothesis:
-        """The hypotheses that all changes make of `data.base`, with scaled parameters x, (H, k)."""
+        """Return the hypotheses that all changes make of `data.base`.
+
+        Parameters
+        ----------
+        x : scaled parameters of all changes in H hypotheses, (H, k)
+        """
         hypotheses, parameters, at = self.data.base.repeated(len(x)), self.scales * x, 0
         for change in self.changes:
             end = at + len(change.scales)
@@ -195,11 +210,16 @@ class Trial:
         return hypotheses
 
     def at(self, before: Fit) -> Hypothesis:
-        """The hypothesis with the parameters of a fit of some of the changes, the others zero."""
+        """Return the hypothesis that the changes make with the parameters of another fit.
+
+        Parameters
+        ----------
+        before : a fit of some of the changes; the parameters of the others are zero
+        """
         return self.hypotheses(self._start(before)[None])[0]
 
     def _start(self, before: Fit) -> FloatArray:
-        """The scaled parameters of a fit of some of the changes; zeros for the others, (k,)."""
+        """Return the scaled parameters of a fit of some of the changes, (k,); 0 for the others."""
         each = [before.parameters_of(one) / one.scales for one in self.changes]
         return np.concatenate([np.empty(0), *each])
 
@@ -224,18 +244,25 @@ class Trial:
         return self._fit_from(x)
 
     def _least_squares(self, x: FloatArray, tolerance: float, evaluations: int) -> Any:
-        """The result of `scipy.optimize.least_squares`, started from scaled parameters, (k,).
+        """Return what `scipy.optimize.least_squares` returns, started from scaled parameters x.
 
         Parameters
         ----------
+        x : (k,)
         tolerance : relative change of the scaled parameters at which the fit ends
         evaluations : how often residuals are computed at most
         """
 
-        # The residuals of all finite differences are computed at once, which takes less time.
+        # Residuals and Jacobian are computed together, in one call for all finite differences,
+        # which takes less time.
         @lru_cache(1)
         def both(parameters: bytes) -> tuple[FloatArray, FloatArray]:
-            """The residuals and prior residuals, (m + p,), and their Jacobian."""
+            """Return the residuals and prior residuals, (m + p,), and their Jacobian, (m + p, k).
+
+            Parameters
+            ----------
+            parameters : the scaled parameters as bytes, by which the result is cached
+            """
             x = np.frombuffer(parameters)
             steps = np.sqrt(EPS) * np.maximum(1.0, np.abs(x))
             hypotheses = self.hypotheses(np.vstack([x, x + np.diag(steps)]))
@@ -280,7 +307,12 @@ class Trial:
 
 
 def linear(data: Data, base: Hypothesis, changes: Sequence[Change]) -> list[Linear]:
-    """Each change made alone in the hypothesis `base`, linearised around parameters of zero."""
+    """Return the changes, each linearised around parameters of zero.
+
+    Parameters
+    ----------
+    base : the hypothesis in which each change is made alone
+    """
     if not changes:
         return []
     around = [change.around(base) for change in changes]
@@ -292,12 +324,13 @@ def linear(data: Data, base: Hypothesis, changes: Sequence[Change]) -> list[Line
 def of_pairs(
     each: Sequence[Linear], unchanged: FloatArray
 ) -> Iterator[tuple[FloatArray, NDArray[np.intp]]]:
-    """The mean squares of all pairs of linearised trials made together.
+    """Yield the mean squares of the residuals of all pairs of linearised changes made together.
 
     The normal equations of many pairs at once take far less time than a fit of each pair.
 
     Parameters
     ----------
+    each : the linearised changes
     unchanged : the residuals without any change, (m,)
 
     Yields
@@ -313,7 +346,8 @@ def of_pairs(
     every = np.array(list(combinations(range(len(each)), 2)), dtype=np.intp)
     for count in np.unique(counts[every].sum(axis=1)):
         pairs = every[counts[every].sum(axis=1) == count]
-        # The residuals of both are the sum of those of either, less those without any change.
+        # To first order, the residuals of both changes are the sum of those of each change alone,
+        # less those without any change.
         first, second = 1 + pairs.T
         least = squares[first, first] + squares[second, second] + squares[0, 0]
         least += 2 * (squares[first, second] - squares[first, 0] - squares[second, 0])

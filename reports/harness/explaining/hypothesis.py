@@ -1,4 +1,7 @@
-"""Hypotheses of what was computed instead of a scene's exact motion, and changes that make them."""
+"""Hypotheses of which equations were integrated in place of a scene's, and of how states were read.
+
+A change makes a hypothesis of another one, at first of the scene's own equations.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -12,12 +15,12 @@ from ....reference.rows import Entry
 from ....scenarios import FloatArray, Scenario
 from ...results.evidence import Explanation
 
-#: The step of a scaled parameter for a finite difference.
+#: Step of finite differences of a parameter, in units of its scale (`Change.scales`).
 SMALL = 1e-5
 
 
 class Hypothesis(OtherEquations):
-    """Equations that may have been integrated, and how the states of that motion are read.
+    """Equations that may have been integrated, and how states of their motion were read.
 
     One object holds one hypothesis, or H of them: then each shape below has a further first axis.
 
@@ -25,15 +28,18 @@ class Hypothesis(OtherEquations):
     ----------
     start : deviation of the first state from the scene's: a rotation vector, rad, and a difference
         of ω, rad/s, body axes, (6,)
-    read, bias, drift, lag : at a time t, s, `read` @ ω(t − `lag`) + `bias` + t `drift` is read,
-        along body axes; (3, 3), rad/s (3,), rad/s² (3,) and s
+    read, bias, drift, lag : the ω that is read at a time t, s, is `read` @ ω(t − `lag`) + `bias` +
+        t `drift`, along body axes. `read` is (3, 3), `bias` rad/s, (3,), `drift` rad/s², (3,), and
+        `lag` s
     low_pass : time constant, s, of a low-pass filter of first order that ω has passed
-    is_begun : 1 if that filter begins at the first sample, with ω as it is there, else 0
+    is_begun : 1 if the output of that filter is equal to ω at the first sample; 0 if the filter has
+        been running since long before
     turned, delay : the attitude that is read at a time t is q(t − `delay`), delay in s, turned in
         the body by the rotation vector `turned`, rad, body axes, (3,)
-    step : ratio of the time by which the motion advances to the timestep, or to the recorded time
+    step : ratio of the time by which the motion advances in a step to the timestep; for a recorded
+        motion, ratio of the true time to the recorded time
     velocity : ratio of the com's velocity that is read to the actual velocity
-    braking : rate at which the com of a body without a pivot is slowed, 1/s
+    braking : rate at which the velocity of the com of a body without a pivot decays, 1/s
     """
 
     start = Entry(6)
@@ -51,7 +57,7 @@ class Hypothesis(OtherEquations):
 
 
 def as_it_is(scenario: Scenario) -> Hypothesis:
-    """The scene's equations, with states that are read as they are."""
+    """Return the hypothesis without mistakes: the scene's own equations, and no misreading."""
     numbers = np.zeros(Hypothesis.count)
     numbers[: OtherEquations.count] = equations_of(scenario).numbers
     return Hypothesis(numbers).of(read=np.eye(3), step=1.0, velocity=1.0)
@@ -63,12 +69,13 @@ class Change:
 
     Attributes
     ----------
-    kind : name of the kind of change, by which it is stored and put in words
-    apply : makes the change in H hypotheses, with parameters, (H, k); zeros change nothing
-    scales : values of the parameters with which the change is neither small nor large, (k,)
-    shown : computes the numbers that the words of the change state from the parameters
-    is_possible : whether given parameters, (k,), and the hypothesis that they lead to, may be those
-        of a motion that was computed; with others a fit only mimics the data
+    kind : name of the kind of change, by which the change is stored and its words are found
+    apply : returns H hypotheses with the change made in them, given the hypotheses and the values
+        of the parameters in each, (H, k); values of zero change nothing
+    scales : typical sizes of the parameters, with which the change is neither small nor large, (k,)
+    shown : returns the numbers that the words of the change state, given the parameters, (k,)
+    is_possible : returns whether a mistake can have led to a hypothesis with given parameters,
+        (k,). If not, a fit that ends there only mimics the data
     """
 
     kind: str
@@ -79,31 +86,47 @@ class Change:
 
     @property
     def form(self) -> tuple[str, int]:
-        """The kind and the number of parameters: changes that agree in them differ in numbers."""
+        """The kind and the number of parameters.
+
+        Changes of the same form differ only in their numbers.
+        """
         return self.kind, len(self.scales)
 
     def around(self, hypothesis: Hypothesis) -> Hypothesis:
-        """The k + 1 hypotheses with parameters of zero, and with a small step in each of them."""
+        """Return k + 1 hypotheses: with parameters of zero, then with a small step in each in turn.
+
+        Parameters
+        ----------
+        hypothesis : the one hypothesis that is changed
+        """
         return self.apply(hypothesis.repeated(len(self._steps)), self._steps)
 
     @cached_property
     def _steps(self) -> FloatArray:
-        """Parameters of zero, and with a small step in each of them, (k + 1, k)."""
+        """Parameters of k + 1 hypotheses: all zero, then a small step in each in turn.
+
+        The shape is (k + 1, k).
+        """
         return np.vstack([np.zeros_like(self.scales), SMALL * np.diag(self.scales)])
 
     def explanation(self, parameters: FloatArray) -> Explanation:
-        """The change with fitted parameters, as it is stored and put in words."""
+        """Return the change in the form in which it is stored and put in words.
+
+        Parameters
+        ----------
+        parameters : fitted parameters, (k,)
+        """
         return Explanation(self.kind, tuple(map(float, self.shown(parameters))))
 
 
 def set_to(kind: str, shown: Sequence[float] = (), **terms: Any) -> Change:
-    """A change without parameters, which sets terms of the equations to given values.
+    """Return a change without parameters, which sets terms of the equations to given values.
 
     Parameters
     ----------
+    kind : name of the kind of change
     shown : the numbers that the words of the change state
     terms : the values, by the names of the terms
-    kind : as in `Change`
     """
     return Change(kind, lambda h, _: h.of(**terms), np.empty(0), lambda _: shown)
 
@@ -115,14 +138,16 @@ def fitted(
     apply: Callable[[Hypothesis, FloatArray], Hypothesis],
     is_possible: Callable[[Hypothesis, FloatArray], bool] = lambda _, __: True,
 ) -> Change:
-    """A change of k numbers of the equations; its parameters are deviations from nominal values.
+    """Return a change in which k numbers of the equations are fitted.
+
+    Its parameters are the deviations of the numbers from nominal values.
 
     Parameters
     ----------
     nominal : the numbers without the change, (k,)
-    scale : scale of the deviations, in the unit of the numbers
-    apply : puts changed numbers, (H, k), into H hypotheses
-    kind, is_possible : as in `Change`
+    scale : typical size of the deviations, in the unit of the numbers
+    apply : returns H hypotheses with changed numbers, (H, k)
+    kind, is_possible : attributes of the returned `Change`
     """
     scales = np.broadcast_to(scale, nominal.shape).astype(float)
 
@@ -133,14 +158,16 @@ def fitted(
 
 
 def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -> Iterator[Change]:
-    """Changes that multiply terms by a factor: first by each given factor, then by a fitted one.
+    """Yield changes that multiply terms by a factor.
+
+    The first changes have the given factors. In the last one the factor is fitted.
 
     Parameters
     ----------
+    kind : name of the kind of the changes
     wholes : the given factors
-    sign : sign of the number in the change's words if the factor is larger than one
+    sign : 1 if the words of the change state the factor less 1, −1 if they state 1 less the factor
     terms : the nominal values, by the names of the terms
-    kind : as in `Change`
     """
     for whole in wholes:
         multiplied: Any = {name: whole * term for name, term in terms.items()}
@@ -154,5 +181,11 @@ def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -
 
 
 def scaled(factors: FloatArray, term: FloatArray) -> FloatArray:
-    """Return a term, (...), times each of H factors, (H, 1): (H, ...)."""
+    """Return a term multiplied by each of H factors, (H, ...).
+
+    Parameters
+    ----------
+    factors : (H, 1)
+    term : of any shape, (...)
+    """
     return np.asarray(np.multiply.outer(factors[:, 0], term))

@@ -7,30 +7,31 @@ import numpy as np
 
 from ....scenarios import FloatArray, Scenario
 
-#: Entries of a tensor, in the order in which they are listed everywhere.
+#: Row and column of the six entries of a tensor, in the order in which they are listed everywhere.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-#: Two tensors are equal if no entry differs by more, relative to the largest.
+#: Two tensors count as equal if no entry differs by more than this, relative to the largest entry.
 SAME = 1e-9
-#: How far a principal moment may exceed the sum of the others, relative to the largest. A method's
-#: error causes as much where the tensor of a flat body is fitted.
+#: How far a principal moment may exceed the sum of the two others, relative to the largest. For a
+#: flat body they are equal, and a fit may be off by as much because of a method's error.
 SLACK = 1e-2
-#: Decimals, of kg m², that a tensor may have been rounded to.
+#: Numbers of decimals to which a tensor in kg m² may have been rounded.
 DECIMALS = range(1, 9)
-#: No rotation, and half turns about each axis, as the signs of principal axes are arbitrary.
+#: Signs of the principal axes, which are arbitrary: no rotation, and half turns about each axis.
 HALF_TURNS = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))
 #: A kind of change, the numbers in its words, and the tensor, kg m², (3, 3).
 Tensor = tuple[str, Sequence[float], FloatArray]
 
 
 def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
-    """The different tensors that common mistakes lead to; of equal ones only the first.
+    """Yield the different tensors that common mistakes lead to; of equal ones only the first.
 
-    They are about the pivot if there is one, as is the scene's tensor.
+    The scene's own tensor, and tensors that are not positive definite, are left out. All are about
+    the pivot if there is one, and else about the com.
     """
     inertia, of_com = np.array(scenario.inertia), np.array(scenario.body.inertia_com)
     seen = [inertia]
     for kind, numbers, wrong in _of_mistakes(scenario, of_com):
-        # The scene's tensor is about the pivot, without the axial moments of free parts.
+        # The scene's tensor is about the pivot, without the axial moments of rotors on free hinges.
         tensor = wrong + (inertia - of_com)
         is_new = all(np.abs(tensor - other).max() > SAME * np.abs(other).max() for other in seen)
         moments = np.linalg.eigvalsh(tensor)
@@ -56,7 +57,7 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
     yield "other products", (), with_products(of_com, -1.0)
     yield "no products", (), with_products(of_com, 0.0)
     orders = [list(order) for order in permutations(range(3))][1:]
-    # If principal axes are the body's, this covers the next two mistakes as well.
+    # If the body's axes are principal axes, these tensors include those of the next two mistakes.
     for order in orders:
         permuted = (axes * moments[order]) @ axes.T
         yield "permuted moments", (*moments[order], *moments), permuted
@@ -85,30 +86,31 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
 
 
 def is_of_a_body(tensor: FloatArray) -> bool:
-    """Whether a rigid body can have a tensor, (3, 3).
+    """Return whether a rigid body can have a tensor of inertia, (3, 3).
 
-    All moments must be positive, and none may exceed the sum of the others by more than `SLACK`.
+    All principal moments must be positive, and none may exceed the sum of the two others by more
+    than `SLACK`.
     """
     least, middle, largest = np.linalg.eigvalsh(tensor)
     return bool(least > 0 and largest <= least + middle + SLACK * largest)
 
 
 def with_products(tensor: FloatArray, factor: float) -> FloatArray:
-    """The tensor, (3, 3), with its products of inertia multiplied by a factor."""
+    """Return the tensor, (3, 3), with its products of inertia multiplied by a factor."""
     diagonal = np.diag(np.diag(tensor))
     return diagonal + factor * (tensor - diagonal)
 
 
 def without_rotation(tensor: FloatArray) -> Iterator[FloatArray]:
-    """The tensors, (3, 3), with principal moments along the body's axes, in every order."""
+    """Yield the diagonal tensors, (3, 3), of the principal moments of a tensor, in every order."""
     for order in permutations(np.linalg.eigvalsh(tensor)):
         yield np.diag(order)
 
 
 def about_conjugated_axes(tensor: FloatArray) -> Iterator[FloatArray]:
-    """The tensors, (3, 3), that result if the rotation to the principal axes is inverted.
+    """Yield the tensors, (3, 3), that result if the rotation to the principal axes is inverted.
 
-    There is one for each order and each sign of the principal axes.
+    There is one for each order and each choice of signs of the principal axes.
     """
     moments, axes = np.linalg.eigh(tensor)
     for order in map(list, permutations(range(3))):
@@ -118,10 +120,15 @@ def about_conjugated_axes(tensor: FloatArray) -> Iterator[FloatArray]:
 
 
 def tensor_entries(tensor: FloatArray) -> FloatArray:
-    """The entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz of a tensor, (6,)."""
+    """Return the entries Ixx, Iyy, Izz, Ixy, Ixz, Iyz of a tensor, (6,)."""
     return np.array([tensor[i, j] for i, j in ENTRIES])
 
 
 def tensors_of_entries(entries: FloatArray) -> FloatArray:
-    """Symmetric tensors, (..., 3, 3), of the entries Ixx, Iyy, Izz, Ixy, Ixz and Iyz, (..., 6)."""
+    """Return the symmetric tensors, (..., 3, 3), of given entries.
+
+    Parameters
+    ----------
+    entries : Ixx, Iyy, Izz, Ixy, Ixz and Iyz, (..., 6)
+    """
     return np.asarray(entries[..., [[0, 3, 4], [3, 1, 5], [4, 5, 2]]])

@@ -1,4 +1,4 @@
-"""Mistakes in reading a state, whose error is the same after any step, however short."""
+"""Mistakes in reading a state from an engine; their error does not depend on the timestep."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,11 +12,11 @@ from ...results.evidence import CONSISTENT, Explanation
 
 
 def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanation, ...]:
-    """The mistake in reading that explains the errors of n states; empty if none does.
+    """Return the mistake in reading that explains the errors of n states; empty if none does.
 
     Parameters
     ----------
-    read, exact : states after a step as they were read, and the exact ones
+    read, exact : the states as they were read, and as they should have been read
     is_single : whether the engine declares single precision
     """
     if not is_single and _is_in_24_bits(read) and not _is_in_24_bits(exact):
@@ -29,7 +29,10 @@ def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanati
 
 
 def _largest_deviation(read: State, exact: State) -> float:
-    """The largest error of attitude, rad, or of ω, relative to its largest exact component."""
+    """Return the largest error of states: of attitude, rad, or of ω, relative.
+
+    Errors of ω are relative to the largest component of the exact ω of all states.
+    """
     turn = rotation_vectors(exact.q_world_body_wxyz, read.q_world_body_wxyz)
     change = (read.omega_body - exact.omega_body) / (np.abs(exact.omega_body).max() or 1.0)
     return float(np.abs([turn, change]).max())
@@ -40,20 +43,25 @@ def _with_q(state: State, q_wxyz: FloatArray) -> State:
 
 
 def _with_omega(state: State, as_read: Callable[[FloatArray, FloatArray], FloatArray]) -> State:
-    """Return states whose ω `as_read` computes from the attitudes, (n, 3, 3), and ω, (n, 3)."""
+    """Return states with another ω, rad/s, body axes, (n, 3).
+
+    Parameters
+    ----------
+    as_read : returns that ω, given the attitudes, (n, 3, 3), and the states' own ω, (n, 3)
+    """
     omega = as_read(matrices(state.q_world_body_wxyz), state.omega_body)
     return replace(state, omega_body=omega)
 
 
 def _is_in_24_bits(state: State) -> bool:
-    """Whether all attitudes, or all ω, consist of numbers that single precision can represent."""
+    """Return whether single precision can represent all attitudes, or all ω, exactly."""
     return any(
         np.array_equal(column, column.astype(np.float32))
         for column in (state.q_world_body_wxyz, state.omega_body)
     )
 
 
-#: Functions that make each mistake, by its kind, in states that are right.
+#: By the kind of mistake: a function that returns right states as they are read with the mistake.
 MISTAKES: dict[str, Callable[[State], State]] = {
     "scalar last": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, -1, axis=1)),
     "scalar first": lambda s: _with_q(s, np.roll(s.q_world_body_wxyz, 1, axis=1)),

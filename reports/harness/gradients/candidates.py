@@ -1,8 +1,9 @@
 """Jacobians that common mistakes would give in place of the exact one, by name of the mistake.
 
-The effect of leaving a term out is computed to first order in the timestep: the remainder vanishes
-with the timestep. The state x is attitude and ω in the chart, so that the derivative of dx/dt by x
-is a 6 × 6 matrix. δθ, rad, and δω, rad/s, are changes of the two, in body axes.
+The effect of leaving a term out is computed to first order in the timestep; the error of this
+approximation vanishes with the timestep. The state x is attitude and ω in the chart, so that the
+derivative of dx/dt by x is a 6 × 6 matrix. δθ, rad, and δω, rad/s, are changes of the two, in body
+axes.
 """
 
 from collections.abc import Callable, Iterator
@@ -23,8 +24,9 @@ from .jacobians import CHANGES, CHART, WEIGHTS, Units, changed, stepped_by_rate
 
 #: Names of the terms of I dω/dt.
 TERMS = ("gravity", "applied torques", "gyroscopic torque")
-#: Spacing, and values, of the common logarithms of ε that are tried. ε, in rad and in rad/s, is the
-#: change of attitude and of ω by which an engine may take finite differences.
+#: ε, in rad and in rad/s, is the change of attitude and of ω by which an engine may take finite
+#: differences. `POWERS` are the decimal logarithms of ε that are tried, and `SPACING` is their
+#: distance.
 SPACING = 0.125
 POWERS = np.arange(-5.0, SPACING, SPACING).tolist()
 #: Relative error of the derivatives of terms by differences, and so the tolerance of the fitted ε.
@@ -42,7 +44,7 @@ class Exact:
     ----------
     states : the K states
     spans : s, (J,); each is the duration of `steps` steps
-    jacobians : (J, K, 6, 6), as in `jacobians.py`
+    jacobians : the exact Jacobians, rad and rad/s, (J, K, 6, 6)
     units : units in which Jacobians are compared
     steps : number of steps that each Jacobian covers
     """
@@ -72,7 +74,7 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The errors that `secant` returns for each of `POWERS`, by `two_sided`."""
+        """The results of `secant` for each of `POWERS`, by its argument `two_sided`."""
         return {
             two_sided: [self.secant(power, two_sided) for power in POWERS]
             for two_sided in (False, True)
@@ -84,23 +86,23 @@ class Exact:
         return len(self.states.omega_body)
 
     def secant(self, power: float, two_sided: bool) -> FloatArray:
-        """Return the error that finite differences make in the derivative of dx/dt, (K, 6, 6).
+        """Return the error that finite differences make in the derivative of dx/dt by x, (K, 6, 6).
 
         Parameters
         ----------
-        power : common logarithm of ε
-        two_sided : whether the differences are central, or else forward
+        power : decimal logarithm of ε
+        two_sided : True for central differences, False for forward differences
         """
         return np.array([one.secant(10.0**power, two_sided) for one in self.rates])
 
     def off_by(self, change: Callable[["_Rates"], FloatArray]) -> FloatArray:
-        """Return the Jacobians that a mistake in the derivative of dx/dt gives, (J, K, 6, 6).
+        """Return the Jacobians that a mistake in the derivative of dx/dt by x gives, (J, K, 6, 6).
 
         They are right to first order in the spans of time.
 
         Parameters
         ----------
-        change : returns the error of the derivative of dx/dt near a state, (6, 6)
+        change : returns the error of that derivative near a state, (6, 6)
         """
         h = self.spans[:, None, None, None]
         return np.asarray(self.jacobians + h * np.array([change(one) for one in self.rates]))
@@ -112,7 +114,8 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
     Parameters
     ----------
     limits : difference of the engine's Jacobian from the exact one, divided by the span of time, in
-        the limit of vanishing timesteps, (K, 6, 6), 1/s
+        the limit of vanishing timesteps, (K, 6, 6), 1/s; each entry in the units of its row and
+        column, rad and rad/s
     """
     P = exact.jacobians
     yield "it is zero: nothing is differentiated", 0 * P
@@ -163,7 +166,7 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
     """Yield words, and the exact Jacobians with attitude, ω or both in world axes.
 
     The exact change of ω along world axes is R (δω − ω × δθ), with R from body to world. An engine
-    that only turns the derivative has R δω.
+    that only turns the derivative to world axes has R δω instead.
     """
     states, P = exact.states, exact.jacobians
     ends = _ends(exact)
@@ -201,7 +204,8 @@ def _to_world(
 
     Parameters
     ----------
-    q, omega : attitude and ω, rad/s, body axes
+    q : attitude, (4,)
+    omega : ω, rad/s, body axes, (3,)
     turn, spin : whether δθ is in world axes, and whether δω is
     carried : whether δω includes the change of the axes, −ω × δθ
     """
@@ -216,7 +220,7 @@ def _to_world(
 
 
 def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield words, and the exact Jacobians with a part of the derivative of dx/dt left out."""
+    """Yield words, and the Jacobians if a part of the derivative of dx/dt by x is left out."""
     words = {name: f"the {name} is not differentiated" for name in TERMS}
     for name in ("ω", "I ω"):
         words[name] = f"of the gyroscopic torque ω × I ω the factor {name} is not differentiated"
@@ -233,7 +237,7 @@ def _fitted(exact: Exact, limits: FloatArray, two_sided: bool) -> float:
     Parameters
     ----------
     limits : as for `candidates`
-    two_sided : whether the differences are central, or else forward
+    two_sided : True for central differences, False for forward differences
     """
 
     def remainder(power: float) -> float:
@@ -251,6 +255,7 @@ class _Rates:
 
     Parameters
     ----------
+    state : one state
     units : units of the changes of attitude and ω by which the differences are taken
     """
 
@@ -263,7 +268,7 @@ class _Rates:
 
         Parameters
         ----------
-        name : name of the term, one of `TERMS`, or of a factor of the gyroscopic torque, ω or I ω
+        name : name of the term, one of `TERMS`; or "ω" or "I ω", a factor of the gyroscopic torque
         """
         return self._whole(self._derivative(name) - self.exact)
 
@@ -285,7 +290,7 @@ class _Rates:
         Parameters
         ----------
         epsilon : change of attitude and ω, rad and rad/s
-        two_sided : whether the differences are central, or else forward
+        two_sided : True for central differences, False for forward differences
         """
         ahead, behind = (self._rates(step * np.eye(CHART)) for step in (epsilon, -epsilon))
         if two_sided:
@@ -295,7 +300,7 @@ class _Rates:
         return self._whole(slope.T - self.exact)
 
     def _whole(self, rate: FloatArray) -> FloatArray:
-        """Return a derivative of dx/dt, (6, 6), from its rows of dω/dt, and zeros for the others.
+        """Return a derivative of dx/dt, (6, 6), with given rows of dω/dt and zeros for attitude.
 
         Parameters
         ----------
@@ -325,7 +330,8 @@ class _Rates:
 
         Parameters
         ----------
-        R, omega : attitude, (3, 3), and ω, rad/s, body axes
+        R : attitude, body to world, (3, 3)
+        omega : ω, rad/s, body axes, (3,)
         torque : the other torques, body axes, N m, (3,)
         weighed : attitude and ω with which the weight loads the table; those of the unchanged state
             if the term of gravity is kept constant
@@ -341,11 +347,11 @@ class _Rates:
         return np.asarray(otherwise + by_weight[0] - by_weight[1])
 
     def _rates(self, offsets: FloatArray, frozen: str = "") -> FloatArray:
-        """Return dω/dt at offsets from the state, rad/s², (n, 3).
+        """Return dω/dt at states near this one, rad/s², (n, 3).
 
         Parameters
         ----------
-        offsets : of attitude and ω, rad and rad/s, (n, 6)
+        offsets : changes of attitude and ω, rad and rad/s, (n, 6)
         frozen : name of a term, or of a factor of one, that is kept constant; none if empty
         """
         equations, scenario = self.equations, self.equations.scenario

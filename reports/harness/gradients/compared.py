@@ -40,12 +40,12 @@ from .window import (
     useless_from,
 )
 
-#: The name of the derivative that spincheck itself computes, for engines without any.
+#: Name of the derivative that spincheck itself computes, with every engine.
 OURS = "central differences by spincheck"
-#: The name in place of those of an engine's derivatives, where it fails to give any.
+#: Name that stands for all derivatives of an engine if it fails to give any.
 THEIRS = "derivatives by the engine"
-#: Number of steps of a derivative through many steps where it is judged, and the numbers of steps
-#: over which its gradients are compared.
+#: Number of steps over which a derivative through many steps is judged, and numbers of steps over
+#: which its gradients are compared.
 MANY = 8
 TAPED = (MANY, 64)
 #: End of the name of a derivative through many steps.
@@ -57,7 +57,7 @@ UNSETTLED = (
     "a constraint gives way: by attitude and ω with the com where it is, as the engine "
     "differentiates, no motion is allowed; only differences of its runs are judged"
 )
-#: Number of plain steps that are timed before each derivative, and number of repeats.
+#: Number of plain steps that are timed before each derivative, and number of such measurements.
 TIMED, TIMES = 200, 5
 
 
@@ -69,12 +69,13 @@ class GradientRow:
     ----------
     derivative : the engine's name for the derivative, or `OURS`
     judged : the verdict; failed or unsupported if nothing was computed
-    costs : for each repeat, the CPU time of the derivative, divided by the CPU time of the plain
-        steps that it covers
+    costs : for each measurement, the CPU time of the derivative, divided by the CPU time of the
+        plain steps that it covers
     seconds : wall time until the row was made, including compilation
     timestep : timestep of the window's steps, s
     window : gradients along a run
-    useless_from : time from which on gradients are no better than zero, s; None if they are better
+    useless_from : time from which on gradients are no better than zero, s; None if the last
+        gradient is better
     """
 
     scene: str
@@ -91,7 +92,7 @@ class GradientRow:
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """The Jacobians that an engine's Jacobians are compared with.
+    """The Jacobians that the Jacobians of a derivative are compared with.
 
     Attributes
     ----------
@@ -126,7 +127,11 @@ class MethodStudy:
     counts: list[int]
 
     def names(self) -> list[str]:
-        """Return the names of all derivatives: those of the engine, or `THEIRS`; `OURS` last."""
+        """Return the names of all derivatives: those of the engine, then `OURS`.
+
+        If a derivative can go through many steps at once, its name with `THROUGH` is among them. If
+        the engine fails to give any derivative, `THEIRS` stands for them.
+        """
         if self._none_given:
             return [THEIRS, OURS]
         own = self.sessions.first.derivatives()
@@ -172,18 +177,19 @@ class MethodStudy:
 
     @cached_property
     def _single(self) -> _Target:
-        """The Jacobians over single steps, with which an engine's Jacobians are compared."""
+        """The Jacobians over single steps, with which those of derivatives are compared."""
         return self._target(1)
 
     @cached_property
     def _many(self) -> _Target:
-        """The reference Jacobians over `MANY` steps: exact ones, and differences of the steps."""
+        """The Jacobians over `MANY` steps, with which those of derivatives are compared."""
         return self._target(MANY)
 
     def _target(self, steps: int) -> _Target:
-        """Return the Jacobians over several steps, with which an engine's Jacobians are compared.
+        """Return the Jacobians over several steps, with which those of derivatives are compared.
 
-        Only timesteps are used with which `steps` steps take no longer than the longest timestep.
+        Only those timesteps are used with which `steps` steps take no longer than one step with the
+        longest timestep.
 
         Parameters
         ----------
@@ -199,10 +205,10 @@ class MethodStudy:
 
     @cached_property
     def _settled(self) -> _Target:
-        """The Jacobians of a step after a constraint has settled.
+        """The Jacobians of a step after a constraint has settled, for comparison.
 
-        An engine's Jacobians are compared with them. The longest timesteps, at which the body turns
-        far while the constraint settles, are left out.
+        The longest timesteps, at which the body turns far while the constraint settles, are left
+        out.
         """
         scenario, at, units = self.sessions.scenario, self.at, self.units
         settling, timesteps = (SETTLING, SETTLING + FEW), at.timesteps[FINER:]
@@ -212,12 +218,14 @@ class MethodStudy:
     def _engines_row(self, target: _Target, name: str, called: str) -> GradientRow:
         """Return the row of a derivative that the engine computes.
 
-        If the engine's code raises an error, the row is failed, with the error as the reason.
+        If the engine's code raises an error, the verdict is `failed` or `unsupported`, with the
+        error as the reason.
 
         Parameters
         ----------
         target : the Jacobians that the derivative is compared with
-        name, called : the engine's name for the derivative, and its name in the row
+        name : the engine's name for the derivative
+        called : the derivative's name in the row
         """
         steps = target.exact.steps
         try:
@@ -237,8 +245,8 @@ class MethodStudy:
         ----------
         target : the Jacobians that the engine's Jacobians are compared with
         found : the engine's Jacobians, (J, K, 6, 6)
-        is_step : whether these differentiate steps, so that they are compared with the engine's own
-            steps, too
+        is_step : whether `found` are derivatives of steps; if so, they are also compared with the
+            engine's own steps
         name : the engine's name for the derivative
         """
         epsilon = self.sessions.first.derivatives()[name].epsilon
@@ -249,14 +257,19 @@ class MethodStudy:
         return beside_own(one, target.exact, found, target.own, noise)
 
     def _own_row(self, target: _Target) -> GradientRow:
-        """Return the row of the derivative by central differences of the engine's own steps."""
+        """Return the row of the derivative by central differences of the engine's own steps.
+
+        Parameters
+        ----------
+        target : the Jacobians of these differences, and the exact ones
+        """
         exact, own = target.exact, target.own
         noise = noise_of(self.units, target.timesteps, self.at.condition, 0.0)
         one = judged(exact, own.jacobians, noise + (own.known_to / exact.spans)[:, None])
         if one.reason:
             one = replace(one, reason=f"its steps themselves: {one.reason}")
         row = self._row(OURS, one)
-        # If a scene must be opened anew for each difference, a window would take minutes.
+        # If the scene must be opened anew for each difference, a window would take minutes.
         if self.sessions.first.can_restart:
             row = self._with_window(row)
         return row
@@ -275,13 +288,13 @@ class MethodStudy:
     def _found(self, name: str, target: _Target) -> tuple[FloatArray | str, bool]:
         """Return the Jacobians by a derivative, and whether it differentiates steps, not dω/dt.
 
-        The Jacobians have the shape (J, K, 6, 6). If the engine's have another, or if computing
-        them changes the session's state, a sentence that says so is returned in their place.
+        The Jacobians have the shape (J, K, 6, 6). A sentence is returned in their place if those of
+        the engine have a wrong shape, or if computing them changes the session's state.
 
         Parameters
         ----------
         name : the engine's name for the derivative
-        target : the Jacobians to compare with, whose states, timesteps and steps are used
+        target : the Jacobians to compare with, whose timesteps and numbers of steps are used
         """
         states, jacobians, is_step = self.at.states, np.empty_like(target.exact.jacobians), True
         reach = Equations(self.sessions.scenario).reach
@@ -302,7 +315,7 @@ class MethodStudy:
         return jacobians, is_step
 
     def _jacobian(self, session: Session, name: str) -> FloatArray:
-        """Return the Jacobian of the next step of a window, in units, (6, 6).
+        """Return the Jacobian of the next step of a session, in units, (6, 6).
 
         Parameters
         ----------
@@ -317,13 +330,14 @@ class MethodStudy:
     def _with_window(self, row: GradientRow, name: str = "", is_taped: bool = False) -> GradientRow:
         """Return a row with `window` and `useless_from`, from gradients along a run.
 
-        If no window can be computed, the verdict's reason says why, unless it has one already.
+        If no window can be computed, the verdict's reason says why, unless it has a reason already.
 
         Parameters
         ----------
         name : the engine's name for the derivative; if empty, differences of runs are used
-        is_taped : whether the derivative of many steps is computed at once. It is then compared
-            with the product of the steps' Jacobians, too; if they differ, the verdict says so
+        is_taped : whether the derivative of many steps is computed at once. If so, it is also
+            compared with the product of the Jacobians of the steps, and the verdict says whether
+            they differ
         """
         sessions, h, units, one = self.sessions, row.timestep, self.units, row.judged
         of_step = partial(self._jacobian, name=name) if name else None
@@ -352,8 +366,9 @@ class MethodStudy:
     def _costs(self, name: str, steps: int) -> tuple[float, ...]:
         """Return CPU times of a derivative, divided by the CPU time of the steps that it covers.
 
-        Plain steps and derivatives are timed in turns. In each turn the derivative is computed
-        until it has taken as long as the steps, so that a first call with cold caches is averaged.
+        Plain steps and derivatives are timed in turns, `TIMES` times. Each time the derivative is
+        computed until it has taken as long as the steps, so that a first call with cold caches is
+        averaged.
 
         Parameters
         ----------
@@ -374,7 +389,7 @@ class MethodStudy:
 
 
 def _raised(error: Exception) -> Judged:
-    """Return the verdict on a derivative if the engine's code raises an error instead of it."""
+    """Return the verdict on a derivative whose computation raises an error."""
     if isinstance(error, EngineError):
         is_unsupported = isinstance(error, UnsupportedError)
         return Judged("unsupported" if is_unsupported else "failed", str(error))

@@ -1,7 +1,7 @@
 """Jacobians, with respect to attitude and ω, of an engine's steps and of the exact motion.
 
-Rows and columns are attitude (3, rad) and ω (3, rad/s) in body axes:
-docs/explanation/sensitivities.md.
+Rows and columns are three components of attitude, rad, and three of ω, rad/s, in body axes:
+docs/explanation/sensitivities.md. "In units" means divided by the units of `Units`.
 """
 
 from collections.abc import Sequence
@@ -19,8 +19,8 @@ from ..measuring.steps import Sessions, flowed
 
 #: Order of the central differences that are taken.
 ORDER = 4
-#: Offsets of a central difference of that order, in units of the change, and the weights of the
-#: results (Fornberg, Math. Comp. 51 (1988) 699, table 1).
+#: Offsets of a central difference of that order, in multiples of ε, and weights of the results
+#: (Fornberg, Math. Comp. 51 (1988) 699, table 1).
 CHANGES, WEIGHTS = np.array([-2.0, -1.0, 1.0, 2.0]), np.array([1.0, -8.0, 8.0, -1.0]) / 12
 #: Number of components of a state in the chart; the first three are the attitude's.
 CHART = 6
@@ -46,9 +46,9 @@ class Units:
 
     @property
     def change(self) -> float:
-        """Best change of a component, in units, for central differences of order 4.
+        """The best change ε of a component, in units, for central differences of order 4.
 
-        The error by rounding is then as large as the truncation error.
+        With it, the error by rounding is as large as the truncation error.
         """
         return float(self.ulp ** (1 / (ORDER + 1)))
 
@@ -89,14 +89,15 @@ def own_jacobian(
 ) -> FloatArray:
     """Return Jacobians of an engine's own steps from a state, by central differences, (n, 6, 6).
 
-    They are in rad and rad/s.
+    Their rows and columns are in rad and rad/s.
 
     Parameters
     ----------
     timestep : s
+    units : units of the changes by which the differences are taken
     counts : numbers of steps, ascending, one for each Jacobian, (n,)
-    share : size of the change of the state, relative to `Units.change`, which is best if the
-        derivatives are about one in units
+    share : size of these changes relative to `Units.change`, which is best if the derivatives are
+        about one in units
     """
     sizes = share * units.change * units.each
     offsets = (CHANGES[:, None, None] * np.diag(sizes)).reshape(-1, CHART)
@@ -123,7 +124,7 @@ def own_jacobian(
 def changed(scenario: Scenario, state: State, offsets: FloatArray) -> State:
     """Return the n states that differ from a given state by offsets of attitude and ω.
 
-    Com and velocity follow from the constraint; those of a free body do not change.
+    Com and velocity follow from the constraint. Those of a free body, and the spins, do not change.
 
     Parameters
     ----------
@@ -157,8 +158,8 @@ class Own:
     Attributes
     ----------
     jacobians : from K states with J timesteps, (J, K, 6, 6)
-    known_to : bound on the error of the Jacobians, in units, for each timestep, (J,): by rounding,
-        or by their change when the offsets are halved
+    known_to : bound on the error of the Jacobians, in units, for each timestep, (J,). It is the
+        error by rounding, or their difference from Jacobians by other changes if that is larger
     """
 
     jacobians: FloatArray
@@ -172,9 +173,10 @@ def own_jacobians(
 
     Parameters
     ----------
+    states : K states
     timesteps : s, (J,)
-    steps : number of steps that each Jacobian covers
     units : units of the changes by which the differences are taken
+    steps : number of steps that each Jacobian covers
     """
     found, finer = (
         np.array(
@@ -196,15 +198,17 @@ def settled_jacobians(
 ) -> tuple[Own, FloatArray]:
     """Return Jacobians of a step after a constraint has settled, and the exact ones, (J, K, 6, 6).
 
-    A run begins in the exact state some steps earlier. That state is changed, as the constraint
-    allows. The Jacobian of the step is the Jacobian of all steps times the inverse of the Jacobian
-    of the earlier steps. Com and velocity must follow from attitude and ω.
+    A run begins some steps earlier, in the exact state from which the motion leads to the given
+    one. That earlier state is changed, as the constraint allows. The Jacobian of the step is the
+    Jacobian of all steps times the inverse of the Jacobian of the earlier steps. Com and velocity
+    must follow from attitude and ω.
 
     Parameters
     ----------
+    states : K states
+    timesteps : s, (J,)
     settling : two numbers of earlier steps, ascending; the Jacobians with the second are returned,
         and their difference from those with the first bounds their error
-    timesteps : s, (J,)
     """
     found = np.empty((len(settling), len(timesteps), len(states.omega_body), CHART, CHART))
     exact = np.empty(found.shape[1:])
@@ -220,14 +224,14 @@ def settled_jacobians(
                     there = session.read_state()
                 one = State(*(column[None] for column in there.columns))
                 exact[j, k] = exact_jacobians(sessions.scenario, one, np.array([h]))[0, 0]
-    # Of the two runs, the longer one is used; the exact Jacobians are from the states it ends in.
+    # The longer one of the two runs is used; the exact Jacobians are from states that it reaches.
     return Own(found[-1], _error_bound(units, *found)), exact
 
 
 def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArray:
     """Return a bound on the error of Jacobians, in units, for each of J timesteps, (J,).
 
-    The bound is their distance from others, but not less than the error by rounding.
+    The bound is their largest difference from others, but not less than the error by rounding.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ from .window import counts_to
 STATES = 4
 #: Number of steps of a window, if its length is not given.
 STEPS = 512
-#: Index of the halved timestep that a window is stepped with: some 0.05 rad a step.
+#: Index of a window's timestep among the halved ones, if none is given: some 0.05 rad a step.
 FINE = 2
 
 
@@ -43,11 +43,15 @@ def gradient_by(
     timestep: float | None = None,
     window: float | None = None,
 ) -> GradientRow:
-    """Judge one derivative in another process, and return its row; `failed` if that process dies.
+    """Judge one derivative in another process, and return its row.
+
+    If that process dies, the row's verdict is `failed`.
 
     Parameters
     ----------
-    timestep, window : as in `gradients_of`, s
+    derivative : its name, one of `offered`
+    timestep : timestep of the window's steps, s; chosen by the motion's fastest rate if None
+    window : length of the window, s; of 512 steps if None
     """
     began, how = time.perf_counter(), (timestep, window, derivative)
     answer = executor.call_at(engine.site, gradients_of, scenario, engine, method, *how)
@@ -59,9 +63,10 @@ def gradient_by(
 
 
 def offered(scenario: Scenario, engine: Engine, method_name: str) -> list[str]:
-    """Return the names of the derivatives that can be judged, `OURS` last.
+    """Return the names of a method's derivatives that can be judged.
 
-    `OURS`, spincheck's own differences, is the only one if the engine cannot be opened.
+    The last one is `OURS`, spincheck's own differences. It is the only one if the engine cannot be
+    opened.
     """
     try:
         with _study(scenario, engine, method_name, None, None) as study:
@@ -78,9 +83,9 @@ def gradients_of(
     window: float | None = None,
     derivative: str | None = None,
 ) -> list[GradientRow]:
-    """Judge a method's derivatives and return a row for each.
+    """Judge a method's derivatives, and return a row for each.
 
-    If none can be judged, return one row with the reason.
+    If none can be judged, one row with the reason is returned.
 
     Parameters
     ----------

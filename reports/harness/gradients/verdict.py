@@ -1,7 +1,7 @@
 """The verdict on a derivative, from its gain and the model of the gains of steps.
 
 The gain of a derivative is the Jacobian of a step minus that of the exact motion, divided by the
-timestep. If the derivative is consistent, it is a series that vanishes with the timestep
+timestep. If the derivative is consistent, its gain is a series that vanishes with the timestep
 (`measuring/gain_series.py`).
 """
 
@@ -17,7 +17,7 @@ from ..measuring.noise import SURE, ULPS
 from .candidates import KNOWN, Exact, candidates
 from .jacobians import CHART, Own, Units
 
-#: Number of halves of a Jacobian's rows, attitude's and ω's, each of which is judged by itself.
+#: A Jacobian has two halves, the rows of attitude and those of ω. Each is judged by itself.
 HALVES = 2
 
 
@@ -32,9 +32,9 @@ class Judged:
     order : order with which the derivative approaches the exact motion's as timesteps vanish
     limit : size of the limit of the gain as timesteps vanish, relative to the fastest rate
     known_to : standard error of that limit, relative to the fastest rate
-    off_own : distance from finite differences of the engine's own steps, relative; None if the
-        derivative is not of a step, is not finite, or is these differences
-    is_own : whether rounding and ε explain that distance; None as for `off_own`
+    off_own : relative distance from finite differences of the engine's own steps; None if the
+        derivative is not that of a step, is not finite, or is itself these differences
+    is_own : whether that distance is no more than rounding and ε explain; None if it was not tested
     """
 
     verdict: VerdictWord
@@ -52,10 +52,10 @@ def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: flo
     Parameters
     ----------
     timesteps : s, (J,)
-    condition : as `Places.condition`
-    epsilon : ε of finite differences, rad and rad/s; 0 for exact derivatives. Their truncation
-        error grows with ε. It counts as noise up to ε = the cube root of an ulp, which is best for
-        central differences, and beyond that as a fault
+    condition : factor by which a relative error of moments of inertia grows: `Places.condition`
+    epsilon : ε of finite differences, rad and rad/s; 0 for exact derivatives. The truncation error
+        of differences grows with ε. It counts as noise up to ε = the cube root of an ulp, which is
+        best for central differences; what exceeds this counts as a fault
     """
     rounding, each = ULPS * units.ulp, units.each
     of_state = rounding * (each / epsilon if epsilon else np.ones(CHART))
@@ -71,7 +71,7 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
     ----------
     exact : the exact Jacobians
     found : the Jacobians to be judged, (J, K, 6, 6)
-    noise : standard deviation of the gains, as `noise_of` returns it, 1/s, (J, 6)
+    noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
     """
     units = exact.units
     if not np.isfinite(found).all():
@@ -101,14 +101,14 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
 
 
 def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: FloatArray) -> Judged:
-    """Return the verdict, completed by comparing the derivative with the engine's own steps.
+    """Return a verdict, completed by comparing the derivative with the engine's own steps.
 
     Parameters
     ----------
     one : the verdict by comparison with the exact Jacobians
     found : the Jacobians that the engine computes, (J, K, 6, 6)
     own : the Jacobians that finite differences of the engine's steps give
-    noise : standard deviation of the gains, as `noise_of` returns it, 1/s, (J, 6)
+    noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
     """
     units = exact.units
     wanted = units.of(own.jacobians)
@@ -120,7 +120,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     if is_own and reason:
         reason += "; the engine's own steps do the same"
     elif not is_own and not reason:
-        # If q is not normalised, its norm is a factor of the attitude's rows (`in_chart`).
+        # If the engine does not normalise q, the norm of q is a factor of the attitude's rows.
         rows, turned = apart[..., :3, :], wanted[..., :3, :]
         factor = (rows * turned).sum((2, 3), keepdims=True) / (turned**2).sum((2, 3), keepdims=True)
         left = np.concatenate([rows - factor * turned, apart[..., 3:, :]], axis=2)
@@ -144,7 +144,7 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
     J, K = off.shape[:2]
     columns = np.swapaxes(_gains(exact, off), 2, 3).reshape(J, K * CHART, CHART)
     each = np.tile(noise, (1, K))
-    # Columns by finite differences share a step and are not independent, so they are not pooled.
+    # Columns by finite differences share a step. So they are not independent, and are not pooled.
     return [
         fitted(exact.spans, half, each, LEVEL / HALVES, may_split=False, is_pooled=False)
         for half in np.split(columns, HALVES, axis=2)

@@ -1,8 +1,9 @@
 """Gradients of a loss over many steps, by the chain rule along an engine's own run.
 
-There are two losses: half the square of the turn to a target, which is one radian away from the
-exact attitude at the end, and the kinetic energy of rotation. Both are differentiated by attitude
-and ω at the start, in units: docs/how-to/gradients.md.
+There are two losses at the end of a run: half the square of the angle between the attitude and a
+target, which is one radian away from the exact attitude, and the kinetic energy of rotation. Both
+are differentiated by attitude and ω at the start, in the units of `Units`:
+docs/how-to/gradients.md.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -21,13 +22,13 @@ from ..measuring.noise import SURE, ULPS
 from ..measuring.steps import Sessions
 from .jacobians import CHART, ORDER, Units, own_jacobian
 
-#: Turn from the exact attitude to the target, rad, body axes.
+#: Rotation vector from the exact attitude to the target, rad, body axes.
 TO_TARGET = np.ones(3) / np.sqrt(3.0)
-#: Size of a gradient beyond which squares leave the range of doubles.
+#: Size of a Jacobian's entries beyond which their squares leave the range of doubles.
 HUGE = 1e150
 #: Relative error of a gradient that is no better than a gradient of zero.
 USELESS = 1.0
-#: Number of exact motions that are cached, with their derivatives.
+#: Number of exact motions that are cached together with their derivatives.
 KEPT = 4
 
 
@@ -38,10 +39,11 @@ class Gradient:
     Attributes
     ----------
     t : time, s
-    error : relative error of the gradient of the turn to the target
+    error : relative error of the gradient of the first loss, the turn to the target
     cosine : cosine of the angle between that gradient and the exact one
     energy_error : relative error of the gradient of the kinetic energy
-    conditioning : largest factor by which the exact motion multiplies a change of its start
+    conditioning : largest factor by which the exact motion up to this time multiplies a change of
+        its start
     """
 
     t: float
@@ -60,7 +62,7 @@ def counts_to(last: int) -> list[int]:
 def exact_along(
     scenario: Scenario, timestep: float, counts: tuple[int, ...]
 ) -> tuple[Trajectory, Sensitivity]:
-    """Return the exact motion after given numbers of steps, and its derivatives.
+    """Return the exact motion after given numbers of steps, and its derivatives by the start.
 
     The motion ends where it is no longer known. The result is cached, as all derivatives of an
     engine are compared with it.
@@ -90,9 +92,9 @@ def own_over(
 ) -> list[FloatArray]:
     """Return Jacobians of an engine's runs of given numbers of steps, in units, (6, 6) each.
 
-    They are central differences. The changes ε of the start are chosen for each run so that the
-    error is least: the error by rounding grows as 1/ε, the truncation error of fourth order as
-    (ε conditioning)⁴.
+    They are central differences of runs from changed starts. For each run the change ε is chosen
+    that makes the error least: the error by rounding grows as 1/ε, the truncation error of fourth
+    order as (ε conditioning)⁴.
 
     Parameters
     ----------
@@ -115,13 +117,14 @@ def run_along(
 
     Parameters
     ----------
-    counts : numbers of steps, ascending
+    counts : numbers of steps, ascending; the run ends after the last one
     jacobian : returns the Jacobian of a session's next step, in units, (6, 6); None if no Jacobians
         are wanted
 
     Returns
     -------
-    The states after the given numbers of steps, and the Jacobians of all steps
+    The states after the given numbers of steps, and the Jacobians of all steps, empty if none are
+    wanted
     """
     states, each = [], []
     for step in range(counts[-1]):
@@ -133,7 +136,7 @@ def run_along(
 
 
 def chained(each: Iterable[FloatArray]) -> list[FloatArray]:
-    """Return the Jacobians over no step, the first step, the first two steps, and so on, (6, 6).
+    """Return the Jacobians over the first 0, 1, 2, … steps, (6, 6) each.
 
     Parameters
     ----------
@@ -154,9 +157,7 @@ def gradients_along(
     jacobians: Sequence[FloatArray],
     states: Sequence[State],
 ) -> tuple[Gradient, ...]:
-    """Return the gradients of two losses at n times, compared with the exact gradients.
-
-    The losses are half the squared angle to a target attitude, and the rotational energy.
+    """Return the gradients of both losses at n times, compared with the exact gradients.
 
     Parameters
     ----------
@@ -217,7 +218,7 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
     known_to = SURE * ULPS * ulp * float((after * before * (1 + before)).sum())
     for words, made in (("first", first), ("last", last)):
         off = np.linalg.norm(np.array(made) - taped, axis=(1, 2))
-        # The whole product is tested first, as a part of it may happen to be equal to it.
+        # The whole product is tested first, as the product of fewer steps may be equal to it.
         if off[-1] <= known_to:
             return ""
         kept = int(off[:-1].argmin())
@@ -229,7 +230,7 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
 def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
     """Return the time, s, from which on all gradients are no better than a gradient of zero.
 
-    None is returned if the last gradient is better.
+    It is None if the last gradient is better. Gradients are those of the turn to the target.
     """
     wrong = [one.t for one in gradients]
     for one in reversed(gradients):
@@ -244,6 +245,7 @@ def _slopes(equations: Equations, state: State, target: FloatArray) -> list[Floa
 
     Parameters
     ----------
+    state : the state at the end
     target : quaternion of the target attitude, (4,)
     """
     turn = rotation_vectors(target[None], state.q_world_body_wxyz[None])[0]
@@ -252,5 +254,5 @@ def _slopes(equations: Equations, state: State, target: FloatArray) -> list[Floa
 
 
 def _norm(vector: FloatArray) -> float:
-    """Return the norm of a vector, or the least normal double in place of zero, to divide by it."""
+    """Return the norm of a vector; in place of zero, the least normal double, to divide by it."""
     return float(np.linalg.norm(vector)) or float(np.finfo(float).tiny)

@@ -8,10 +8,11 @@ from ...results.verdicts import Verdict
 
 
 def compared_with_expected_failures(expected: Iterable[Known], verdict: Verdict) -> Verdict:
-    """Return a verdict, marked if its failure is expected.
+    """Return a verdict, compared with the scene's expected failures.
 
-    If a failure is expected and the verdict is `converges`, an unmet expectation is added. A
-    verdict `unresolved` neither confirms nor refutes an expected failure.
+    If the verdict is the expected one, it is marked as expected. If it is `converges` although a
+    failure is expected, an unmet expectation is added. A verdict `unresolved` neither confirms nor
+    refutes an expected failure.
 
     Parameters
     ----------

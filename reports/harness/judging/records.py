@@ -15,8 +15,9 @@ class Records:
     Attributes
     ----------
     evidence : the evidence from single steps and from replays of runs
-    rows, single_rows, above_rows : rows of the ladder, coarse to fine; of single timesteps; and of
-        timesteps above the ladder
+    rows : rows of the ladder, coarse to fine
+    single_rows : rows at timesteps that a user asked for, or that an expectation names
+    above_rows : rows at timesteps above the ladder
     has_ladder : whether a ladder was asked for, though it may be empty
     order : the lower of the declared orders of ω and attitude
     as_shipped : whether the method is an engine with all its defaults
@@ -45,7 +46,7 @@ class Records:
 
     @property
     def last(self) -> Row | None:
-        """The run whose outcome, unless it is ok, decides the verdict; None if none does.
+        """The run that decides the verdict if its outcome is not ok; None if there is no such run.
 
         It is the finest of the ladder, or else the last at a single timestep. If a ladder was asked
         for and is empty, it is the first run above the ladder that no finer timestep could save.
@@ -57,5 +58,9 @@ class Records:
         return next(filter(self.is_hopeless, self.above_rows), None)
 
     def is_hopeless(self, row: Row) -> bool:
-        """Whether no finer timestep can succeed: the run failed, or the method lacks an effect."""
+        """Return whether no finer timestep can succeed.
+
+        That is so if the run failed, or if it is unsupported and the method lacks an effect of the
+        scene.
+        """
         return bool(self.lacking) if row.outcome == "unsupported" else row.outcome == "failed"

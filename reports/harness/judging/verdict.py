@@ -37,14 +37,17 @@ def judge(records: Records) -> Verdict:
 
 
 def _judged(records: Records) -> tuple[VerdictWord, str]:
-    """The verdict's word, and the words of a run or of the engine that the verdict quotes."""
+    """Return the verdict's word, and the text that the verdict quotes.
+
+    The text is the ending of a run, or the words of the engine; it may be empty.
+    """
     last, evidence = records.last, records.evidence
     if last is None and records.lacking:
         return "unsupported", records.lacking
     if last and last.outcome in ("failed", "unsupported"):
-        # A scene that a method cannot simulate at one timestep it cannot simulate at any.
+        # If a method cannot simulate a scene at one timestep, it cannot at any.
         return last.outcome, last.ending_in_words
-    # The reason of a run as shipped says how the engine's model differs from the scene.
+    # A run as shipped says how the engine's model differs. With the cause `law`, the evidence does.
     quoted = last.reason if last and last.cause != "law" else ""
     faults = (one.fault for one in (evidence.steps, evidence.own_steps) if one)
     if any(faults):

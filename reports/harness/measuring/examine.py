@@ -40,21 +40,20 @@ from .steps import (
     steps_from,
 )
 
-#: Number of steps in which a constraint settles, halved in single precision. Bullet removes a fifth
-#: of a constraint's error in each step, so that 5e-10 of the error remains.
+#: Number of steps in which a constraint settles; half as many in single precision. Bullet removes a
+#: fifth of a constraint's error in each step, so that 5e-10 of the error remains.
 SETTLING = 96
 #: Numbers of repeats of each state in single precision, tried in order until the limit is known.
 REPEATS = (4, 16, 64)
-#: Size of the random changes, in ulp, by which the repeats of a state differ. It is many ulp of the
-#: change that a step makes, so that each repeat is rounded differently, and too small to change the
-#: gain.
+#: Size of the random changes, in ulp, by which the repeats of a state differ: so large that each
+#: repeat is rounded differently, and too small to change the gain.
 NUDGE = 2.0**16
 
 
 def examine(
     engine: Engine, scenario: Scenario, method_name: str, at: Places, *, explains: bool = True
 ) -> StepEvidence | None:
-    """Examine the single steps of a method from exact states.
+    """Examine the single steps of a method from exact states, and return the evidence.
 
     Parameters
     ----------
@@ -72,11 +71,16 @@ def examine(
 def examine_or_refuse(
     engine: Engine, scenario: Scenario, method_name: str, at: Places, *, explains: bool = True
 ) -> tuple[StepEvidence | None, str]:
-    """Examine the single steps of a method as `examine` does.
+    """Examine the single steps of a method from exact states, and return any refusal, too.
+
+    Parameters
+    ----------
+    at : the exact states, and the timesteps of the steps that are taken from them
+    explains : whether changes of the equations of motion that explain a fault are looked for
 
     Returns
     -------
-    The evidence, as `examine` returns it, and the engine's reason if it refuses a state or a step;
+    The evidence, None if there is none; and the engine's reason if it refuses a state or a step,
     empty if it refuses none
     """
     method = engine.method(method_name)
@@ -87,10 +91,10 @@ def examine_or_refuse(
 
 
 def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
-    """How single steps violate a scene's equations of motion, in words; empty if they do not.
+    """Return how a method's single steps violate a scene's equations of motion, in words.
 
-    If steps cannot be taken, the words say so. They are empty for a method that does not support
-    the scene, and for an engine as shipped, which need not obey these equations.
+    If steps cannot be taken, the words say so. They are empty if the steps obey the equations, if
+    the method does not support the scene, and for an engine as shipped, which need not obey them.
     """
     if method.as_shipped:
         return ""
@@ -105,9 +109,9 @@ def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:
 def _examine_or_raise(
     engine: Engine, scenario: Scenario, method: Method, at: Places, *, explains: bool = True
 ) -> StepEvidence | None:
-    """Examine a method from exact states; None if it does not support the scene or the states.
+    """Return the evidence from steps; None if the method does not support the scene or the states.
 
-    The parameters are as in `examine`.
+    The parameters are those of `examine`.
 
     Raises
     ------
@@ -144,14 +148,14 @@ class _Examination:
 
     @cached_property
     def first(self) -> Look:
-        """Steps from the states themselves; in single precision, from a few repeats of each."""
+        """The steps that are taken first: without settling, and with the fewest repeats."""
         return self._take(0, self._repeats[0], self.at.timesteps)
 
     @property
     def _repeats(self) -> Sequence[int]:
-        """The numbers of copies of each state, one for each attempt; 1 alone in double precision.
+        """The numbers of repeats of each state that are tried in order; (1,) in double precision.
 
-        Several copies differ a little, so that their mean gain has less rounding noise.
+        Repeats differ a little, so that their mean gain has less rounding noise.
         """
         return REPEATS if self.sessions.engine.single_precision else (1,)
 
@@ -159,7 +163,7 @@ class _Examination:
     def misread(self) -> StepFault | None:
         """The fault that a state reads back differently from how it was set; None if none does."""
         look, engine, states = self.first, self.sessions.engine, self._states(self._repeats[0])
-        # Com and velocity are left out, as a contact or joint may move them to the constraint.
+        # Com and velocity are left out, as a contact or joint may correct them before a step.
         read = look.steps.before.rows(slice(len(states.omega_body)))
         off = state_differences(states, read, look.equations.reach)[:, [0, 1, 4]]
         worst = int(np.abs(off).max(axis=(1, 2)).argmax())
@@ -173,11 +177,11 @@ class _Examination:
         return StepFault("misread", "attitude", time, 0.0, (omega, turn, spins), zero, changes)
 
     def unless_random(self, found: StepEvidence) -> StepEvidence:
-        """The evidence, with another fault if the engine turns out not to be deterministic.
+        """Return the evidence; its fault becomes `random` if the engine is not deterministic.
 
-        It counts as not deterministic if the steps that show the fault, taken twice more from the
-        same states, differ by a quarter of the fault or more. As the fault is the largest deviation
-        among many steps, two of them rarely differ by all of it.
+        It is not if the steps that show the fault, taken twice more from the same states, differ by
+        a quarter of the fault or more. As the fault is the largest deviation among many steps, two
+        of them rarely differ by all of it.
         """
         if (fault := found.fault) is None:
             return found
@@ -186,7 +190,7 @@ class _Examination:
         try:
             one, again = (self._take(found.settled, self._repeats[0], halved) for _ in range(2))
         except EngineError:
-            # The fault was found before.
+            # Without these steps, the fault that was found stands.
             return found
         j = int(np.abs(one.steps.timesteps - fault.timestep).argmin())
         timestep = float(one.steps.timesteps[j])
@@ -201,8 +205,10 @@ class _Examination:
     def look(self) -> Look:
         """The steps, and the series of their gains, by which the method is judged.
 
-        More repeats are taken until the limits are known well enough for a verdict, or until
-        further repeats no longer make the limits better known.
+        Constraints that give way settle before these steps. If a fault is not clear, shorter steps
+        are taken as well, but only in double precision. In single precision more repeats are taken,
+        until the limits are known well enough for a verdict, or until further repeats no longer
+        help.
         """
         is_single, look, repeats = self.sessions.engine.single_precision, self.first, self._repeats
         settle, settling = 0, SETTLING // (1 + is_single)
@@ -228,16 +234,16 @@ class _Examination:
         return self._as_if_biased(look) if is_single and look.tail < LEVEL else look
 
     def _hinges_may_explain(self, look: Look) -> bool:
-        """Whether hinges that give way, as soft constraints do, may explain a fault.
+        """Return whether hinges that give way, as soft constraints do, may explain a fault.
 
-        They may if the gains tend to a limit, rather than leap, and none of the timesteps has been
-        left out.
+        They may if the gains tend to a limit, rather than leap, and no timesteps have been left
+        out.
         """
         has_hinges = look.steps.before.spins.size and len(self.at.timesteps) == HALVINGS
         return bool(has_hinges and look.tail < LEVEL and kind_of(look) == "limit")
 
     def _as_if_biased(self, look: Look) -> Look:
-        """Judge the same steps as if rounding were biased: alike in all repeats and all states.
+        """Return the same steps with the noise of biased rounding, alike in all repeats and states.
 
         The mean of repeats then contains the whole bias. Newton's rounding was measured to add up
         to 3 ulp to the angular momentum in every step, and Rapier's 2 to 3, whatever the timestep.
@@ -249,9 +255,9 @@ class _Examination:
         """Take steps after a constraint has settled for `settle` steps.
 
         The change of the gains by a few more steps of settling counts as noise of the constraint's
-        solver, up to `CONSISTENT` of the largest terms: the residual of a solver is not larger. In
-        double precision the longest timesteps are left out, as the body turns by many radians while
-        a constraint settles.
+        solver, up to `CONSISTENT` of the largest terms, as the residual of a solver is not larger.
+        In double precision the longest timesteps are left out, because at these the body turns by
+        many radians while a constraint settles.
 
         Parameters
         ----------
@@ -266,7 +272,7 @@ class _Examination:
 
     @property
     def _halved_further(self) -> FloatArray:
-        """The timesteps of `at`, and `FINER` more, each half of the one before, s."""
+        """The timesteps of `at`, s, and `FINER` more, each half of the one before."""
         finer = self.at.timesteps[-1] / 2.0 ** np.arange(1, FINER + 1)
         return np.concatenate([self.at.timesteps, finer])
 
@@ -274,8 +280,7 @@ class _Examination:
         """Take steps also with shorter timesteps, to see if these follow a series of their own.
 
         All steps are taken twice, the second time from states that are changed a little. The
-        difference between the gains of the two is noise of the engine, and no fault up to `NOISE` a
-        step.
+        difference between the two gains counts as noise of the engine, up to `NOISE` a step.
         """
         look, again = (
             self._take(0, 1, self._halved_further, may_split=True, is_changed=is_changed)
@@ -292,7 +297,7 @@ class _Examination:
         may_split: bool = False,
         is_changed: bool = False,
     ) -> Look:
-        """Take steps from each state, and return their gains and noise.
+        """Take steps from each state, and return them with their gains and noise.
 
         If there are several repeats of a state, the gains are their mean, and each repeat starts
         from the state changed by a little.
@@ -310,21 +315,28 @@ class _Examination:
         equations, is_single = Equations(self.sessions.scenario), engine.single_precision
         gains = step_gains(equations, steps).mean(axis=1)
         noise = noise_of(equations, steps, engine, self.at.condition, settled=bool(settle))
-        # A formula for small angles differs by less than single precision shows.
+        # A second formula for small angles differs by less than single precision shows.
         split, apart = may_split and not is_single, self.at.are_apart
         return Look(equations, steps, gains, noise, settle, is_single, split, apart)
 
     def _states(self, repeats: int, *, is_changed: bool = False) -> State:
-        """Return the states, R K for R repeats; changed at random if R > 1 or `is_changed`."""
+        """Return the states, each repeated R times, R K in all.
+
+        They are changed at random if R > 1 or `is_changed`.
+
+        Parameters
+        ----------
+        repeats : R
+        """
         if repeats == 1 and not is_changed:
             return self.at.states
         return self.at.changed(self.sessions.scenario, NUDGE * self.sessions.engine.ulp, repeats)
 
     def _timesteps(self, halved: FloatArray) -> FloatArray:
-        """The timesteps at which steps are taken, s, long to short.
+        """Return the timesteps at which steps are taken, s, long to short.
 
-        These are the halved timesteps, one between them that is not obtained by halving, and the
-        engine's stock timesteps in the same range.
+        These are the halved timesteps, one timestep between two of them, and the engine's stock
+        timesteps in the same range.
         """
         engine = self.sessions.engine
         if engine.single_precision:
@@ -336,7 +348,7 @@ class _Examination:
 
 
 def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
-    """Whether a constraint is soft and gives way, so that it must settle before steps are judged.
+    """Return whether a soft constraint gives way, so that it must settle before steps are judged.
 
     If it does, the distance of com or velocity from the values that the constraint demands depends
     on the timestep. If instead the engine holds another body, or misreads it, that distance is the
@@ -355,15 +367,15 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
 
 
 def gives_in(look: Look, settled: Look) -> bool:
-    """Whether hinges give way, so that they must settle before steps are judged.
+    """Return whether hinges give way, so that they must settle before steps are judged.
 
     How far a hinge gives way cannot be read from an engine. If hinges give way, the limits of the
-    quantity with the smallest tail shrink to less than half once the hinges have settled; limits
-    that a fault makes remain.
+    quantity with the smallest tail shrink to less than half once the hinges have settled. If a
+    fault makes the limits, they remain.
 
     Parameters
     ----------
-    look, settled : steps without settling, and after settling
+    look, settled : the steps without settling, and those after settling
     """
     q = int(np.argmin([one.tail for one in look.series]))
     before, after = (norms(one.series[q].limit).max() for one in (look, settled))
@@ -371,7 +383,7 @@ def gives_in(look: Look, settled: Look) -> bool:
 
 
 def _is_clear_fault(look: Look) -> bool:
-    """Whether the gains of the shortest steps are mostly a limit that is well above noise.
+    """Return whether the gains of the shortest steps are mostly a limit that is well above noise.
 
     That is a fault beyond doubt, and no further steps are needed.
     """
@@ -387,14 +399,15 @@ def _is_clear_fault(look: Look) -> bool:
 
 
 def _with_noise(look: Look, again: Look, most: FloatArray) -> Look:
-    """Steps whose noise includes the difference from other steps from the same states.
+    """Return steps whose noise includes the difference of their gains from those of other steps.
 
     As that difference may be small by accident at one timestep, the largest difference at a
     timestep and its neighbours is used, up to a bound.
 
     Parameters
     ----------
-    look, again : the steps, and those taken again, after further settling or a small change
+    look : the steps
+    again : steps from the same states, after further settling or a small change
     most : the bound, in the units of gains, for J timesteps and Q quantities, (J, Q) or (Q,)
     """
     difference = np.sqrt(((again.gains - look.gains) ** 2).mean(axis=(1, 3)))

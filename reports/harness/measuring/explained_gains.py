@@ -1,7 +1,7 @@
 """Finds the changes of a scene's equations of motion that explain the gains of an engine's steps.
 
-The gains that changed equations predict are compared with the measured gains of several states at
-once.
+The gains that follow from changed equations are compared with the measured gains of several states
+at once.
 """
 
 from collections.abc import Iterator
@@ -43,7 +43,7 @@ class Gains(Data):
     noise: FloatArray
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """The residual gains under each of H hypotheses, in units of `scale`, (H, K, 4, 3)."""
+        """Return the limits less what H hypotheses explain, in units of `scale`, (H, K, 4, 3)."""
         made = np.stack([self.made(hypotheses[k]) for k in range(len(hypotheses))])
         off = (self.excess - made + self.exact) / self.scale[..., None]
         return np.asarray(off)
@@ -64,9 +64,13 @@ class Gains(Data):
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:
-        """The rates of change of the quantities if one hypothesis holds, (K, 4, 3).
+        """Return the rates of change of the four quantities if a hypothesis holds, (K, 4, 3).
 
         They are in the units of `excess`, and means of repeats.
+
+        Parameters
+        ----------
+        hypothesis : one hypothesis
         """
         scenario = self.equations.scenario
         R_world_body = matrices(self.states.q_world_body_wxyz)
@@ -98,7 +102,9 @@ class Gains(Data):
         return np.asarray(np.mean(each, axis=0))
 
     def _rates(self, hypothesis: Hypothesis, omega: FloatArray) -> FloatArray:
-        """The angular velocity, rad/s, and ω', rad/s², of each state, body axes, (R K, 6).
+        """Return the angular velocity, rad/s, at which each state turns, and its ω', rad/s².
+
+        Both are along body axes; the shape is (R K, 6).
 
         Parameters
         ----------
@@ -112,7 +118,10 @@ class Gains(Data):
 
 
 def explanations(gains: Gains) -> tuple[Explanation, ...]:
-    """The change of the equations, or the pair of changes, that explains gains; empty if none."""
+    """Return the change of the equations, or the pair of changes, that explains gains.
+
+    The result is empty if no change and no pair does.
+    """
     scenario = gains.equations.scenario
     candidates = [*_readings(), *changes(scenario), *drags_of_other_powers(scenario, gains.base)]
     candidates += _braking()
@@ -121,7 +130,10 @@ def explanations(gains: Gains) -> tuple[Explanation, ...]:
 
 
 def _readings() -> Iterator[Change]:
-    """Changes in which a step takes another time, or in which ω or velocity is multiplied."""
+    """Yield changes in which a step takes another time, or in which ω or velocity is misread.
+
+    Each has one parameter: the factor less 1 by which time, ω or velocity is multiplied.
+    """
     one, unit = np.ones(1), np.eye(3)
     yield Change("step", lambda h, n: h.of(step=1 + n[:, 0]), one)
     yield Change("omega", lambda h, n: h.of(read=scaled(1 + n, unit)), one)
@@ -129,7 +141,7 @@ def _readings() -> Iterator[Change]:
 
 
 def _braking() -> Iterator[Change]:
-    """Changes in which the com's velocity decays, alone or at the same rate as ω."""
+    """Yield changes in which the com's velocity decays: alone, or at the same rate as L."""
     one, slowed = np.ones(1), np.array([0.0, 1.0, 0.0])
     yield Change("braking", lambda h, n: h.of(braking=n[:, 0]), one)
     yield Change(

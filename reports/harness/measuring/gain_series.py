@@ -1,14 +1,15 @@
-"""The model of verdicts: gains are a power series that vanishes with the timestep, plus noise.
+"""The model by which gains are judged: a power series that vanishes with the timestep, plus noise.
 
-The gain of a step of a method of order p that is consistent with the equations of motion is
-g(h) = Σ_{i≥p} a_i (h/H)^i, an analytic function of the timestep h (Hairer, Nørsett & Wanner I,
-§II.3 and §II.8). The measured gain is g(h) + e(h), with noise e of known scale (`noise.py`). The
-coefficients have the prior a_i ~ N(0, s² r^2(i−p)): 1/r is the radius of convergence, in units of
-the longest timestep H, and s the amplitude of a state. So the gains at all timesteps are jointly
-Gaussian, and each gain is predicted from the gains at longer timesteps. The test statistic is the
-innovation of a prediction, in units of its standard deviation (Gauss–Richardson extrapolation:
-Oates, Karvonen, Teckentrup, Strocchi & Niederer, arXiv 2401.07562). The limit at vanishing
-timesteps, and its standard error, are those of a constant added to the series, with a flat prior.
+The gain of a step of a method of order p that is consistent with the equations of motion is g(h) =
+Σ_{i≥p} a_i (h/H)^i, an analytic function of the timestep h (Hairer, Nørsett & Wanner I, §II.3 and
+§II.8). The measured gain is g(h) + e(h), with noise e of known scale (`noise.py`). The coefficients
+have the prior a_i ~ N(0, s² r^2(i−p)). Here H is the longest timestep, 1/r the radius of
+convergence in units of H, and s the amplitude of the coefficients; r and s differ from state to
+state. So the gains at all timesteps are jointly Gaussian, and each gain is predicted from the gains
+at longer timesteps. The test statistic is the innovation of a prediction, in units of its standard
+deviation (Gauss–Richardson extrapolation: Oates, Karvonen, Teckentrup, Strocchi & Niederer, arXiv
+2401.07562). The limit at vanishing timesteps, and its standard error, are those of a constant added
+to the series, with a flat prior.
 
 One order is estimated for all states, by maximum likelihood. Radius and amplitude of each state are
 integrated over, with a prior that is estimated from all states (Kiefer & Wolfowitz, Ann. Math.
@@ -44,16 +45,16 @@ class GainSeries:
         a gain is not predicted
     limit_tails : the probability of an estimate at least as far from zero if the limit is zero,
         (K,)
-    limit, limit_error : the limit of each state's gains at vanishing timesteps, (K, 3), and its
-        standard error, (K,), in the unit of the gains
-    predicted, predicted_to : the prediction of each gain from the gains at longer timesteps,
-        (J, K, 3), and its standard deviation, (J, K)
+    limit : the limit of each state's gains at vanishing timesteps, in the unit of the gains, (K, 3)
+    limit_error : the standard error of each component of that limit, (K,)
+    predicted : the prediction of each gain from the gains at longer timesteps, (J, K, 3)
+    predicted_to : the standard deviation of that prediction, (J, K)
     changes : the index of the first timestep that follows a second series, (K,); 0 where all
         timesteps follow one series
     beyond : how many of the longest timesteps are certainly beyond the radius of convergence, (K,)
     is_pooled : whether the limits of the states are independent, so that they are tested together
-    lone_timestep : the index of the timestep that alone explains the misfit; None if no single
-        timestep does
+    lone_timestep : the index of the only timestep whose gains do not fit the series; None if no
+        single timestep explains the misfit
     """
 
     order: int
@@ -70,7 +71,7 @@ class GainSeries:
 
     @property
     def least_tails(self) -> FloatArray:
-        """The smallest tail of each state, of its gains and its limit, (K,)."""
+        """The smallest of the tails of each state's gains and of its limit, (K,)."""
         return np.asarray(np.minimum(self.tails.min(axis=0), self.limit_tails))
 
     @property
@@ -91,7 +92,7 @@ class GainSeries:
 
     @property
     def tests(self) -> int:
-        """The number of tests, by which the smallest tail is multiplied (Bonferroni)."""
+        """The number of tests of single gains and limits, for Bonferroni's correction."""
         J, K = self.tails.shape
         return int((J - PREDICTED_FROM + 1) * K)
 
@@ -113,15 +114,16 @@ def fitted(
     computes short steps by another formula than long steps. Each of the two must vanish with the
     timestep. The change point, at which the formula changes, is unknown: the method counts as
     consistent if the tail reaches the level for one of the possible change points. As two series
-    can follow almost any gains, they are not accepted if a single deviating timestep explains the
-    gains better, by the level: such a timestep is a fault.
+    can follow almost any gains, they are not accepted if the gains are more likely by a factor
+    1/`level` under the assumption that a single timestep deviates from one series: such a timestep
+    is a fault.
 
     Parameters
     ----------
     timesteps : long to short, s, (J,)
     gains : per second, in any unit, (J, K, 3)
     noise : standard deviation of each component of a gain, (J, K)
-    level : the significance level, below which a tail is a fault
+    level : the significance level; a tail below it is a fault
     turns : the angle by which each step turns the body, or the angle's rank, (J, K); None if it is
         not known
     changes_elsewhere : change points, as in `GainSeries.changes`, that other quantities of the same
@@ -156,7 +158,14 @@ def fitted(
 
 
 def _likeliest(fit: Callable[[int], T]) -> T:
-    """The fit with the most likely order; the likelihood is assumed to have a single maximum."""
+    """Return the fit with the most likely order.
+
+    Orders are tried from the lowest up, until the likelihood decreases.
+
+    Parameters
+    ----------
+    fit : returns the fit with a given order
+    """
     best = fit(ORDERS[0])
     for order in ORDERS[1:]:
         other = fit(order)
@@ -167,7 +176,7 @@ def _likeliest(fit: Callable[[int], T]) -> T:
 
 
 def _one_series(fit: Regression, *, is_pooled: bool) -> GainSeries:
-    """The result of a fit in which all timesteps follow one series."""
+    """Return the result of a fit in which all timesteps follow one series."""
     limit, limit_error, limit_tails = fit.limit
     return GainSeries(
         fit.order,
@@ -183,11 +192,12 @@ def _one_series(fit: Regression, *, is_pooled: bool) -> GainSeries:
 
 
 def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -> GainSeries:
-    """The result of a fit in which the shorter steps of some states follow a second series.
+    """Return the result of a fit in which the shorter steps of some states follow a second series.
 
     Parameters
     ----------
     one : the result with one series, whose predictions are kept
+    splits : fits of two series, for each index at which the second may begin
     changes : the index of the first timestep that follows the second series, (K,); 0 where all
         timesteps follow one series
     """
@@ -216,13 +226,13 @@ def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -
 
 
 def _lone_deviation(measured: Measured) -> tuple[int, float]:
-    """The timestep without whose gains the model fits best.
+    """Return the timestep without whose gains the model fits best.
 
-    These gains are left out in effect, by raising their noise to their own size.
+    Each timestep's gains are left out in effect, by raising their noise to their own size.
 
     Returns
     -------
-    The index of the timestep, and the logarithm of the likelihood of all gains
+    The index of the timestep, and the logarithm of the likelihood of all gains with that noise
     """
 
     def total(j: int) -> float:
@@ -237,14 +247,15 @@ def _lone_deviation(measured: Measured) -> tuple[int, float]:
 
 @dataclass(frozen=True, eq=False)
 class _Splits:
-    """Fits of series to gains, for n ways of splitting the timesteps of each state in two.
+    """Fits of series to gains, for n ways of splitting the timesteps of each of K states in two.
 
     Attributes
     ----------
     order : the order of all series
     parts : the fits of one or two series: at index j, the second series begins at timestep j; at
         index 0, one series is fitted to all timesteps
-    changes : for each way, the index of each state in `parts`, the most likely way first, (n, K)
+    changes : for each way and each state, the index in `parts` of the fits that it uses; the most
+        likely way comes first, (n, K)
     totals : the logarithm of the likelihood of the gains of all states in each way, (n,)
     """
 

@@ -26,7 +26,13 @@ INTERVALS = 64
 
 @dataclass(frozen=True, eq=False)
 class MadeRun:
-    """A run that came to its end: its timestep and samples, and its motion at the samples."""
+    """A run that came to its end.
+
+    Attributes
+    ----------
+    rung : its timestep, and the numbers of steps before its samples
+    motion : its motion at the samples
+    """
 
     rung: Rung
     motion: Trajectory
@@ -34,12 +40,12 @@ class MadeRun:
 
 @dataclass(frozen=True, eq=False)
 class Intervals:
-    """The n intervals of a run, each of which is run again from its own start.
+    """The n intervals of a run, each of which is replayed: run again from its own start.
 
     Attributes
     ----------
     edges : the indices of the samples at which intervals begin and end, (n + 1,)
-    parts : number of steps after which each interval, when it is run again, is restarted, (n,)
+    parts : number of steps after which the replay of each interval is restarted, (n,)
     """
 
     sessions: Sessions
@@ -71,9 +77,9 @@ class Intervals:
         return states_of(self.run.motion).rows(self.edges[1:])
 
     def some_again(self, kept: NDArray[np.intp], starts: State) -> State:
-        """Run K of the intervals from given starts; return the K states in which they end.
+        """Run K of the intervals from given starts, and return the K states in which they end.
 
-        Each is restarted on the way, so that a fault cannot hide in the rhythm of the samples.
+        Each is restarted on the way, as a fault could act in step with the samples.
 
         Parameters
         ----------
@@ -86,7 +92,12 @@ class Intervals:
         return stacked(ends)
 
     def parts_of(self, kept: Sequence[int] | NDArray[np.intp]) -> NDArray[np.int64]:
-        """Numbers of steps before and after the restart in intervals of given indices, (k, 2)."""
+        """Return the numbers of steps before and after the restart in K of the intervals, (K, 2).
+
+        Parameters
+        ----------
+        kept : indices of the intervals, (K,)
+        """
         first = self.parts[kept]
         return np.stack([first, self.steps[kept] - first], axis=1)
 
@@ -94,7 +105,8 @@ class Intervals:
         """Run all intervals from their own starts, in random order, and read states on the way.
 
         The state is read after every step. In a run of more than `DECIDED_STEPS` steps it is read
-        after every m-th step, so that about `DECIDED_STEPS` states are read.
+        after every m-th step, so that about `DECIDED_STEPS` states are read. The result is in order
+        of time.
         """
         order = np.random.default_rng(len(self.steps)).permutation(len(self.steps))
         each = -(-int(self.steps.sum()) // DECIDED_STEPS)
@@ -134,7 +146,7 @@ class Intervals:
 
 @dataclass(frozen=True, eq=False)
 class Passage:
-    """The states that n intervals pass through when they are run again, in order of time.
+    """The states that n intervals pass through in their replays, in order of time.
 
     Attributes
     ----------
@@ -150,12 +162,12 @@ class Passage:
     spans: FloatArray
 
     def places(self, scenario: Scenario, at: Places, *, is_single: bool) -> Places | None:
-        """States of the run from which steps are taken, and the timesteps of these steps.
+        """Return states of the run from which single steps are examined, and the steps' timesteps.
 
         A fault may act in few states only, or only on the motion that the method itself computes.
         So random states are chosen, and the states in which the gain of a step differs most from
-        the gains of the steps before and after it. Of the timesteps, the shortest suffice, as many
-        as a limit needs.
+        the gains of the steps before and after it. Only the shortest timesteps are used, as many as
+        a limit needs.
 
         Parameters
         ----------
@@ -166,7 +178,7 @@ class Passage:
 
         Returns
         -------
-        None if the constraint's force is not in its allowed direction in any of the states
+        None if in all chosen states the force of a one-sided constraint would have the wrong sign
         """
         is_few, count = is_single or at.gives_way, len(self.times)
         some = np.random.default_rng(count).permutation(count)
@@ -180,10 +192,10 @@ class Passage:
         return chosen if is_few else replace(chosen, timesteps=at.timesteps[-LEAST:])
 
     def _abrupt(self, scenario: Scenario, most: int) -> NDArray[np.intp]:
-        """Indices of the stretches whose gain differs most from the mean gain of both neighbours.
+        """Return indices of the stretches whose gain differs most from the mean of its neighbours.
 
-        At most `most` of them are chosen for each quantity; none if the motion turns too far to be
-        followed.
+        At most `most` of them are chosen for each quantity. There are none if the motion turns too
+        far to be followed, or has fewer than three stretches.
         """
         turn = fastest_rate(scenario, self.before.omega_body) * float(self.times[-1])
         if turn > FARTHEST_TURN or len(self.times) < 3:
@@ -197,15 +209,15 @@ class Passage:
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """The differences between a run and its n intervals that were run again.
+    """The differences between a run and the replays of its n intervals.
 
     Attributes
     ----------
     evidence : the differences as they are stored
     worst : the indices of the K intervals that differ the most
-    off : differences between the final states of these K replays and the run's, as
-        `state_differences`, (K, 5, 3)
-    passage : the states that all intervals pass through
+    off : differences of the final states of these K replays from the run's, in the quantities
+        and units of `state_differences`, (K, 5, 3)
+    passage : the states that all replays pass through
     """
 
     intervals: Intervals
@@ -216,10 +228,11 @@ class Replay:
 
 
 def restarted(sessions: Sessions, state: State, timestep: float, counts: Iterable[int]) -> State:
-    """The state after stretches of steps, before each of which the session is restarted.
+    """Return the state after stretches of steps; the session is restarted before each stretch.
 
     Parameters
     ----------
+    state : the state before the first stretch
     timestep : s
     counts : number of steps of each stretch
     """
@@ -232,7 +245,7 @@ def restarted(sessions: Sessions, state: State, timestep: float, counts: Iterabl
 
 
 def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
-    """Make a run of about `DECIDED_STEPS` steps, for a scene whose window takes too many steps.
+    """Run the first `DECIDED_STEPS` steps or so of a motion whose window takes too many steps.
 
     Parameters
     ----------
@@ -248,9 +261,13 @@ def beginning_of(sessions: Sessions, at: Places) -> MadeRun:
 
 
 def _edges(samples: int, can_restart: bool) -> NDArray[np.intp]:
-    """Indices of the samples at which intervals begin and end: first, last, and random ones.
+    """Return indices of the samples at which intervals begin and end: first, last, and random ones.
 
-    There are `INTERVALS` intervals at most, or `FEW` if sessions cannot restart.
+    There are at most `INTERVALS` intervals, or `FEW` if sessions cannot restart.
+
+    Parameters
+    ----------
+    samples : number of samples of the run
     """
     most = INTERVALS if can_restart else FEW
     count = min(most, max(1, 2 * (samples - 1) // 3))

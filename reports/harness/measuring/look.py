@@ -1,4 +1,4 @@
-"""Steps from known states, their gains, and the series that are fitted to the gains."""
+"""Single steps from known states, with their gains and the series that are fitted to the gains."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,9 +20,9 @@ class Look:
 
     Attributes
     ----------
-    gains, noise : gains in Q quantities, in the units of `step_gains`, (J, K, Q, 3), and the
-        standard deviation of their noise, (J, K, Q)
-    settled : number of steps in which a constraint settled first
+    gains : in Q quantities, in the units of `step_gains`, (J, K, Q, 3)
+    noise : standard deviation of the noise of each component of the gains, (J, K, Q)
+    settled : number of steps, before those that are judged, in which a constraint settled
     is_single : whether the engine declares single precision
     may_split : whether the method may compute short steps by another formula than long steps
     is_pooled : whether the gains of the states are independent of each other; the gains of
@@ -72,17 +72,17 @@ class Look:
 
     @property
     def level(self) -> float:
-        """The significance level of one quantity's tail (Bonferroni)."""
+        """The significance level for the tail of one quantity (Bonferroni)."""
         return LEVEL / len(self.sizes)
 
     @property
     def tail(self) -> float:
-        """The tail of the gains in all quantities (Bonferroni)."""
+        """The tail of the tests of all quantities together (Bonferroni)."""
         return min(1.0, len(self.series) * min(one.tail for one in self.series))
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """The sizes of the quantities' rates of change, as `term_sizes` returns them, (Q,)."""
+        """The sizes that gains of each quantity are compared with, (Q,): those of `term_sizes`."""
         return term_sizes(self.equations, self.steps)
 
     @property
@@ -91,7 +91,7 @@ class Look:
 
         Returns
         -------
-        The largest value of all states and quantities, relative to `sizes`, and the largest
+        The largest value in any state and quantity, relative to `sizes`; and the largest value
         relative to the weakest effect in the quantity
         """
         sizes = (np.maximum(one.limit_error, norms(one.limit)) for one in self.series)

@@ -1,8 +1,8 @@
 """Decides whether a memory of a few steps explains the difference of a run from its replays.
 
 A method may use results of earlier steps, such as the impulses with which an iterative solver
-begins. A session that has been restarted does not have these results. The difference that this
-makes is no fault if it vanishes with the timestep.
+begins. A session that has been restarted does not have these results. If the difference that this
+makes vanishes with the timestep, it is no fault.
 """
 
 from dataclasses import replace
@@ -32,9 +32,8 @@ def explained_by_memory(replay: Replay, settled: int) -> ReplayEvidence:
     are checked:
 
     - At the run's timestep, the difference of these two must agree with the difference of the run
-      from its replay: they may be apart by half the size of the run's difference. If the run's
-      difference is no larger than the residual of an iterative solver, only the sizes of the two
-      differences are compared.
+      from its replay, up to half the size of the latter. If the latter is no larger than the
+      residual of an iterative solver, only the sizes of the two differences are compared.
     - Over a few steps, at shorter and shorter timesteps, the difference must vanish, as any gain
       must. This is not checked if steps were judged after a constraint had settled, as the gains of
       these steps contain the effect of impulses of earlier steps.
@@ -63,10 +62,10 @@ def explained_by_memory(replay: Replay, settled: int) -> ReplayEvidence:
 
 
 def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
-    """The last sample of the run at least `steps` steps before each of the K worst intervals.
+    """Return the state of the run at an earlier sample for each of the K worst intervals.
 
-    These are the intervals in which the run differs the most from its replay. Near the start of the
-    run, the first sample is used.
+    These are the intervals in which the run differs the most from its replay. The sample is the
+    last one at least `steps` steps before the interval begins, or the first one of the run.
 
     Returns
     -------
@@ -79,12 +78,16 @@ def _earlier(replay: Replay, steps: int) -> tuple[NDArray[np.int64], State]:
 
 
 def _order_and_tail(replay: Replay, declared: int) -> tuple[int, float]:
-    """The order with which the effect of a restart vanishes, and the tail of its gains.
+    """Return the order with which the effect of a restart vanishes, and the tail of its gains.
 
     The gains are the change of the final state by two restarts, divided by the timestep. Order and
     tail are 0 if no effect is seen above noise: then a memory explains nothing. The order is the
     declared order if only the longest timesteps show an effect, as these are too few to estimate an
     order.
+
+    Parameters
+    ----------
+    declared : the declared order
     """
     starts, sessions = replay.intervals.starts.rows(replay.worst), replay.intervals.sessions
     timesteps = np.array([replay.evidence.timestep / 2.0**j for j in range(HALVINGS)])
@@ -113,7 +116,7 @@ def _effect_of_restarts(
     before: NDArray[np.int64],
     parts: NDArray[np.int64],
 ) -> FloatArray:
-    """How far two restarts change the states in which K short runs end, (K, 5, 3).
+    """Return how far two restarts change the states in which K short runs end, (K, 5, 3).
 
     The quantities and their units are those of `state_differences`.
 

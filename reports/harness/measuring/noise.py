@@ -4,9 +4,9 @@ The sources, with their standard deviations, are:
 
 - Rounding of the state: `ULPS` ulp of each component, as a step of an engine rounds a few times. It
   is smaller in a mean of repeats, unless the rounding is biased (`examine.py`).
-- The body in the engine: the difference that is allowed when the body is read back
-  (`Engine.slack`); in single precision, the effect of rounding its moments.
-- Rounding of moments: `ULPS` ulp times the condition number of the tensor of inertia, or of the
+- The body that the engine holds: the difference from the scene's that its read-back allows
+  (`Engine.slack`); in single precision, the effect of rounding its moments of inertia.
+- Rounding of moments of inertia: `ULPS` ulp times the condition number of their tensor, or of the
   mass matrix where the com is far from the body's origin, as an error of I dω/dt; and the angle by
   which that error turns the body (Higham, Accuracy and Stability of Numerical Algorithms, §7.1).
 - Flight: `ULPS` ulp of m v², as a torque, because engines may solve for rotation and translation
@@ -15,10 +15,11 @@ The sources, with their standard deviations, are:
 - Rotors: `ULPS` ulp of the forces that cancel between the rotors, and of the torques that cancel
   about their axes (`Scenario.cancelling`). Noise of I dω/dt turns the rotors, too.
 - Contact: `ULPS` ulp of the com's position, which the constraint corrects within a step.
-- A turn in a step that a solver ignores, as the adapter declares (`Engine.least_turn`).
+- The largest turn in a step that the engine ignores, as its adapter declares
+  (`Engine.least_turn`).
 - The solver of a constraint: `SOLVED` of the largest terms. In addition it is measured, by letting
   the constraint settle further, up to `CONSISTENT` of the largest terms (`examine.py`).
-- Noise of the engine that is no fault: it is measured, up to `NOISE` a step (`examine.py`).
+- Other noise of the engine: it is measured, and is no fault up to `NOISE` a step (`examine.py`).
 """
 
 import numpy as np
@@ -46,11 +47,11 @@ NO_SIZE = 1 / LARGEST
 
 
 def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) -> float:
-    """The relative change of a body's angular acceleration by rounding of its moments of inertia.
+    """Return the relative change of an angular acceleration by rounding of moments of inertia.
 
     Parameters
     ----------
-    condition : as `Places.condition`
+    condition : factor by which a relative error of the moments grows: `Places.condition`
     ulp : relative spacing of the numbers that the moments are rounded to
     """
     return ULPS * ulp * condition
@@ -59,11 +60,13 @@ def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) 
 def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
-    """The standard deviation of the mean gain of repeats, from all sources that are not measured.
+    """Return the standard deviation of the noise of gains, from all sources that are not measured.
+
+    The gains are means of repeats. The sources are listed at the top of this module.
 
     Parameters
     ----------
-    condition : as `Places.condition`
+    condition : factor by which a relative error of moments of inertia grows: `Places.condition`
     settled : whether a constraint settled before the steps
 
     Returns
@@ -104,7 +107,7 @@ def noise_of(
 
 
 def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
-    """The noise of gains if each step has a relative error of `NOISE`, (J, 1, Q).
+    """Return the noise of gains if each step has a relative error of `NOISE`, (J, 1, Q).
 
     It is the largest noise of all states, in the units of the gains.
     """
@@ -112,10 +115,11 @@ def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def term_sizes(equations: Equations, steps: Steps) -> FloatArray:
-    """The size of each quantity's rate of change, which gains are compared with, (Q,).
+    """Return the size of each quantity's rate of change, which gains are compared with, (Q,).
 
-    It is the sum of the sizes of the rate's terms, however they cancel, and the largest of all
-    states, in the units of gains. On a pivot it is the size of velocity or com itself.
+    It is the sum of the sizes of the rate's terms, however they cancel. The largest sum of all
+    states is taken, in the units of gains. On a pivot, the sizes of velocity and position are those
+    of velocity and com themselves.
     """
     scenario, reach, states = equations.scenario, equations.reach, steps.before
     speeds = norms(states.omega_body)
@@ -137,7 +141,7 @@ def term_sizes(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
-    """The size of the weakest effect in each quantity, (Q,); infinite where no effect acts.
+    """Return the size of the weakest effect in each quantity, (Q,); infinite where no effect acts.
 
     The size of an effect is the largest size of its term in any state, in the units of gains.
     Torques of the same kind count as one effect. An effect is ignored if `SEEN` times its size is
@@ -154,7 +158,10 @@ def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _torques(equations: Equations, states: State) -> FloatArray:
-    """Sizes of the constant torque, of the torque that depends on ω, and of weight, N m, (n, 3)."""
+    """Return the sizes of three torques in n states, N m, (n, 3).
+
+    They are the constant torque, the torque that depends on ω, and the torque of weight.
+    """
     scenario = equations.scenario
     still, pushed = (
         push(scenario.pushed, np.eye(3), omega)
@@ -167,14 +174,17 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """The largest change of each gain, (J, K, Q), per unit of relative error of the state read."""
+    """Return the largest change of each gain by a relative error of the state, per unit of error.
+
+    The shape is (J, K, Q).
+    """
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))
     linear_speed = norms(states.velocity_world) + equations.reach * speeds
     distance = norms(states.com_world) + equations.reach
     momentum = _largest_moment(equations) * speeds
     if states.spins.size:
-        # Where rotors are bodies of their own, their angular momentum is rounded, too.
+        # If an engine has rotors as bodies of their own, their angular momentum is rounded, too.
         momentum = momentum + _largest_rotor_momentum(equations, states)
     sizes = [1 / spans, momentum / spans, linear_speed, distance]
     if not equations.scenario.constraint.is_pivot:
@@ -186,11 +196,11 @@ def roundings(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _largest_rotor_momentum(equations: Equations, states: State) -> FloatArray:
-    """The largest angular momentum, about its axle, of any rotor in n states, kg m²/s, (n,)."""
+    """Return the largest momentum of any rotor about its axle in n states, kg m²/s, (n,)."""
     fastest = norms(states.omega_body) + np.abs(states.spins).max(axis=1)
     return np.asarray(equations.scenario.largest_part * fastest)
 
 
 def _largest_moment(equations: Equations) -> float:
-    """The largest principal moment of inertia about the fixed point, kg m²."""
+    """Return the largest principal moment of inertia about the fixed point, kg m²."""
     return float(np.linalg.norm(equations.scenario.inertia, 2))

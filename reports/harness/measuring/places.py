@@ -14,12 +14,13 @@ from ..timesteps.ladder import COARSEST_TURN
 
 #: Number of states spread evenly over the window, besides those in which a quantity is extreme.
 SPREAD = 12
-#: Directions of ω in the body in two further states. They are along no principal axis if these are
-#: the coordinate axes, so that no torque vanishes by symmetry.
+#: Directions of ω in the body in two further states. They are along none of the coordinate axes, so
+#: that no torque vanishes by symmetry if these are the principal axes.
 ASKEW = ((0.62, 0.55, 0.56), (-0.48, 0.71, 0.52))
-#: Number of timesteps of single steps, each half of the one before.
+#: Number of timesteps, each half of the one before, with which single steps are taken.
 HALVINGS = 10
-#: Number of times that all timesteps are halved if a method refuses the longest.
+#: Number of times that timesteps are halved where shorter ones are needed, for example if a method
+#: refuses the longest.
 FINER = 3
 
 
@@ -32,9 +33,9 @@ class Places:
     states : K states
     times : times of the states, s; nan where a state is not on the motion, (K,)
     timesteps : s, each half of the one before, (J,)
-    condition : the factor by which a relative error of rounding grows in the angular acceleration:
-        the sum of the condition number of the tensor of inertia about the fixed point and of two
-        contributions, by a free body's com that is not at its origin, and by rotors
+    condition : the factor by which a relative error of rounding grows in the angular acceleration.
+        It is the sum of the condition number of the tensor of inertia about the fixed point and of
+        two contributions: that of a free body's com that is not at its origin, and that of rotors
     are_apart : whether the states are so far apart that their gains are independent
     gives_way : whether it is known that a constraint must settle before steps are judged
     """
@@ -47,11 +48,11 @@ class Places:
     gives_way: bool = False
 
     def changed(self, scenario: Scenario, size: float, repeats: int = 1) -> State:
-        """All K states, repeated R times, each repeat changed at random, (R K).
+        """Return all K states, repeated R times, (R K), with one random change for each repeat.
 
         Parameters
         ----------
-        size : as in `changed_at_random`
+        size : standard deviation of the change, rad and relative; see `changed_at_random`
         repeats : R
         """
         chance = np.random.default_rng(repeats)
@@ -59,12 +60,12 @@ class Places:
         return stacked(copies)
 
     def thinned(self, most: int) -> "Places":
-        """These places with at most `most` of the states, evenly chosen."""
+        """Return these places with at most `most` of the states, spread evenly."""
         kept = np.unique(np.linspace(0, len(self.times) - 1, most).astype(int))
         return replace(self, states=self.states.rows(kept), times=self.times[kept])
 
     def milder(self) -> "Places":
-        """These places with shorter timesteps, and only with states that are on the motion.
+        """Return these places with shorter timesteps, and only with states that are on the motion.
 
         They are used if a method refuses some of the original states or timesteps.
         """
@@ -75,7 +76,9 @@ class Places:
 
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
-    """Choose states along the exact motion, and two states with ω along no principal axis.
+    """Choose states along the exact motion, and two states with ω along no coordinate axis.
+
+    States in which a one-sided constraint would have to pull are left out.
 
     Parameters
     ----------
@@ -97,12 +100,15 @@ def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Pl
 
 
 def states_of(motion: Trajectory) -> State:
-    """The states of a motion at its n samples."""
+    """Return the states of a motion at its n samples."""
     return State(*(getattr(motion, name) for name in State.__dataclass_fields__))
 
 
 def _chosen_samples(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
-    """Indices of samples spread over the window, and of those with extreme ω, tilt or speed."""
+    """Return indices of samples spread over the window, and of those with extreme ω, tilt or speed.
+
+    The array is sorted, and each sample is in it once.
+    """
     spread = np.linspace(0, len(motion.t) - 1, SPREAD).astype(int)
     omega = motion.omega_body
     down = scenario.gravity_world if scenario.gravity_world.any() else np.array([0.0, 0.0, 1.0])
@@ -120,15 +126,14 @@ def _chosen_samples(scenario: Scenario, motion: Trajectory) -> NDArray[np.intp]:
 def changed_at_random(
     scenario: Scenario, states: State, size: float, chance: np.random.Generator
 ) -> State:
-    """The given states, all with the same random relative change.
+    """Return the given states, all with the same random relative change.
 
-    A state stays as it is if the constraint's force would not be in its allowed direction after
-    the change.
+    A state stays as it is if, after the change, a one-sided constraint would have to pull.
 
     Parameters
     ----------
-    size : standard deviation of each component of the change: in rad for the attitude, and
-        relative to their norms for vectors
+    size : standard deviation of each component of the change: in rad for the attitude, and relative
+        to their norms for vectors
     """
     turn, omega_change, velocity_change, com_change = size * chance.standard_normal((4, 3))
     q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
@@ -144,16 +149,15 @@ def changed_at_random(
 
 
 def _changed_by(vectors: FloatArray, change: FloatArray) -> FloatArray:
-    """The vectors v + ‖v‖ c for given vectors v, (n, 3), and one relative change c, (3,)."""
+    """Return v + ‖v‖ c for given vectors v, (n, 3), and one relative change c, (3,)."""
     return np.asarray(vectors + norms(vectors)[:, None] * change)
 
 
 def _condition_of_flight(scenario: Scenario) -> float:
-    """The contribution to `Places.condition` of a free body's com that is not at its origin.
+    """Return the contribution to `Places.condition` of a free body's com that is not at its origin.
 
-    Engines that solve for rotation and translation together divide by the difference of the moment
-    about the origin and m arm², with arm the distance of the com from the origin. It is 0 on a
-    pivot.
+    Engines that solve for rotation and translation together divide by the moment about the origin
+    less m arm², with arm the distance of the com from the origin. It is 0 on a pivot.
     """
     if scenario.constraint.is_pivot:
         return 0.0
@@ -162,7 +166,7 @@ def _condition_of_flight(scenario: Scenario) -> float:
 
 
 def _condition_of_rotors(scenario: Scenario, motion: Trajectory) -> float:
-    """The contribution of rotors to `Places.condition`.
+    """Return the contribution of rotors to `Places.condition`.
 
     It is the size of the torques that cancel in coordinates that turn with the rotors, divided by
     that of the gyroscopic torque.

@@ -21,7 +21,8 @@ from ...results.evidence import LEVEL
 TERMS = 16
 #: Ratio of neighbouring radii of the grid, and square root of the ratio of neighbouring amplitudes.
 RATIO = 2**0.5
-#: Least number of gains at longer timesteps for a prediction, and of gains for a limit.
+#: The least number of gains at longer timesteps from which a gain is predicted, and the least
+#: number of gains from which a limit is estimated.
 PREDICTED_FROM, LEAST = 2, 4
 
 
@@ -52,14 +53,15 @@ class Measured:
     def of(
         timesteps: FloatArray, gains: FloatArray, noise: FloatArray, turns: FloatArray | None
     ) -> "Measured":
-        """Express the gains of each state in units of its noise.
+        """Return the gains of each state in units of its noise.
 
         At each timestep the largest noise of any state, in these units, is used for all states.
 
         Parameters
         ----------
         timesteps : long to short, s, (J,)
-        gains, noise : gains, (J, K, 3), and the standard deviation of their noise, (J, K)
+        gains : (J, K, 3)
+        noise : standard deviation of each component of a gain, (J, K)
         turns : the angle by which each step turns the body, or the angle's rank, (J, K); the
             timesteps are used if it is None
         """
@@ -74,12 +76,13 @@ class Measured:
         return Measured(x, scaled, shared, units, amplitudes, turns, float(x[len(x) // 3]))
 
     def changes(self, last: int) -> NDArray[np.intp]:
-        """The n ways in which the timesteps of each state are split into two series.
+        """Return the n ways in which the timesteps of each state are split into two series.
 
         A method may compute steps by another formula below some timestep, or below some angle by
-        which the body turns in a step. So there is one way for each timestep up to index `last`,
-        the same in all states, and one way for each angle that splits the timesteps of some state
-        at such an index.
+        which the body turns in a step. So there is one way for each timestep up to index `last`, at
+        which all states are split. And there is one way for each angle by which some step turns the
+        body: the steps that turn it by no more follow the second series. Ways by an angle that
+        split no state at an index up to `last` are left out.
 
         Returns
         -------
@@ -95,7 +98,7 @@ class Measured:
         return np.unique(np.concatenate([by_timestep, by_turn[is_seen & is_long]]), axis=0)
 
     def part(self, first: int, beyond: int) -> "Measured":
-        """The gains at the timesteps from index `first` up to, but not including, `beyond`."""
+        """Return the gains at the timesteps with indices from `first` to `beyond` − 1."""
         kept = slice(first, beyond)
         x, gains, noise, turns = (a[kept] for a in (self.x, self.gains, self.noise, self.turns))
         return replace(self, x=x, gains=gains, noise=noise, turns=turns)
@@ -108,7 +111,7 @@ class Measured:
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """The regression of gains on powers of the timestep, by one order and R A pairs of a grid.
+    """The regression of gains on powers of the timestep, for each of R A pairs of a grid.
 
     A gain is the difference of a step from the exact motion, per second: a vector, at J timesteps
     from K states. A pair is a radius of convergence of the series and an amplitude of its
@@ -135,7 +138,7 @@ class Regression:
 
     @staticmethod
     def of(measured: Measured, order: int, *, has_constant: bool = False) -> "Regression":
-        """The regression of all gains on a series of a given order.
+        """Return the regression of all gains on a series of a given order.
 
         A gain beyond the radius of convergence may be as large as the largest of all gains.
         """
@@ -149,7 +152,7 @@ class Regression:
         return Regression(measured, order, radii, noise, basis, has_constant)
 
     def before(self, j: int) -> "Regression":
-        """The regression of the gains at the j longest timesteps, with the same grid."""
+        """Return the regression of the gains at the j longest timesteps, with the same grid."""
         of_first = self.measured.part(0, j)
         return replace(self, measured=of_first, noise=self.noise[:, :j], basis=self.basis[:, :j])
 
@@ -172,9 +175,9 @@ class Regression:
 
     @cached_property
     def _inverse_variances(self) -> FloatArray:
-        """The inverse variance, by prior and noise, of gains projected on U, (R, A, J).
+        """The inverse variance, by prior and noise together, of gains projected on U, (R, A, J).
 
-        It is in units of the inverse variance of noise; U is that of `_decomposition`.
+        It is relative to the inverse variance by noise alone; U is that of `_decomposition`.
         """
         _, squares, _, _ = self._decomposition
         return np.asarray(1 / (1 + self.measured.amplitudes[:, None] ** 2 * squares[:, None]))
@@ -192,7 +195,7 @@ class Regression:
 
     @cached_property
     def constants(self) -> tuple[FloatArray, FloatArray]:
-        """The best-fitting constant of the series, (R A, 3, K), and its standard error, (R A,)."""
+        """The best-fitting constant for each pair, (R A, 3, K), and its standard error, (R A,)."""
         left, _, _, projected = self._decomposition
         ones, (R, J, _, K) = left.sum(axis=2), projected.shape
         precision = (self._inverse_variances @ (ones**2)[:, :, None]).reshape(-1)
@@ -252,7 +255,10 @@ class Regression:
 
     @cached_property
     def beyond(self) -> NDArray[np.intp]:
-        """How many of the longest timesteps are certainly beyond each state's radius, (K,)."""
+        """How many of the longest timesteps are beyond each state's radius of convergence, (K,).
+
+        A timestep counts if it is beyond the radius with a probability of 1 − `LEVEL` or more.
+        """
         weights = _normalised(self.evidence + self._log_prior)[0]
         of_radius = weights.reshape(len(self.inverse_radii), -1, weights.shape[1]).sum(axis=1)
         is_beyond = self.inverse_radii[:, None] * self.measured.x >= 1
@@ -260,7 +266,7 @@ class Regression:
 
     @cached_property
     def innovations(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """The prediction of each gain from the gains at longer timesteps, and the gain's tail.
+        """The predictions of gains from the gains at longer timesteps, and tests of them.
 
         The first `PREDICTED_FROM` gains are not predicted: their tail is 1.
 
@@ -282,7 +288,7 @@ class Regression:
         return tails, np.swapaxes(means * units, 1, 2), errors * units
 
     def _prediction(self, j: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Predict gain j from the gains at longer timesteps, by the n pairs that are likely enough.
+        """Return the prediction of gain j from the gains at longer timesteps, by n likely pairs.
 
         Returns
         -------
@@ -292,7 +298,7 @@ class Regression:
         known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[2]
         weights = _normalised(known.evidence + self._log_prior)[0]
         _, squares, right, projected = known._decomposition
-        # A less probable pair cannot change whether a tail is below the level.
+        # Pairs that are less probable cannot change whether a tail is below the level.
         pairs = np.flatnonzero((weights > LEVEL**2).any(axis=1))
         of_radius, of_amplitude = np.divmod(pairs, len(self.measured.amplitudes))
         amplitudes = self.measured.amplitudes[of_amplitude, None] ** 2
@@ -307,7 +313,7 @@ class Regression:
 
 
 def _inverse_radii(measured: Measured) -> FloatArray:
-    """The inverse radii of convergence of the grid, (R,).
+    """Return the inverse radii of convergence of the grid, (R,).
 
     The radii reach from four times the longest timestep down to `Measured.radius`. A radius with
     fewer than `LEAST` timesteps below it, which are too few to show a series, is left out.
@@ -319,7 +325,7 @@ def _inverse_radii(measured: Measured) -> FloatArray:
 
 
 def _tail(squares: FloatArray) -> FloatArray:
-    """The probability that χ² of three degrees of freedom is at least as large as each number.
+    """Return for each number the probability that χ² of three degrees of freedom is as large.
 
     This closed form (Abramowitz & Stegun, §26.4.4) takes a quarter of the time of scipy's `chdtrc`.
     """
@@ -328,13 +334,13 @@ def _tail(squares: FloatArray) -> FloatArray:
 
 
 def _normalised(logarithms: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Probabilities, normalised over the first axis, from logarithms that are not normalised.
+    """Return probabilities that add up to 1 over the first axis, given logarithms of weights.
 
     `softmax` and `logsumexp` of scipy take several times as long.
 
     Returns
     -------
-    The probabilities, and the logarithm of the sum before they were normalised
+    The probabilities, and the logarithm of the sum of the weights
     """
     largest = logarithms.max(axis=0)
     weights = np.exp(logarithms - largest)

@@ -4,9 +4,9 @@ Every interval of a run is run again from its own start, in a session that remem
 method whose steps are consistent, and whose replays end in the same states as its runs, converges
 on any window, even where the motion is chaotic (Hairer, Nørsett & Wanner I, theorem II.3.4). A
 difference between run and replay is no fault only if it vanishes with the timestep, as every gain
-must (`memory.py`). Intervals are of random length and are run again in random order, and each is
-restarted once more after a random number of steps, so that a fault cannot hide in the rhythm of the
-samples.
+must (`memory.py`). A fault could act in step with the samples. So intervals are of random length
+and are run again in random order, and each replay is restarted once more after a random number of
+steps.
 """
 
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ from .noise import NOISE, ULPS, rounding_of_body
 from .places import Places, changed_at_random, states_of
 from .steps import FEW, Sessions, sessions_of, state_differences
 
-#: A change that has grown to this size, in rad or relative, is as large as the motion itself.
+#: A change of a state that has grown to this, in rad or relative, is as large as the motion itself.
 LOST = 0.1
 #: Largest number of random changes of a state whose growth is measured.
 CHANGES = 3
@@ -45,9 +45,10 @@ def examine_runs(
     ladder: Sequence[MadeRun],
     others: Sequence[MadeRun],
 ) -> tuple[tuple[ReplayEvidence, ...], StepEvidence | None, str]:
-    """Replay the finest run of a ladder and other runs, and take steps from states of a run.
+    """Replay runs of a method, and examine steps from states of a run.
 
-    If there are no runs, the beginning of the motion is run, and this run is replayed.
+    The finest run of the ladder and all other runs are replayed. If there are no runs, the
+    beginning of the motion is run, and this run is replayed.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ def examine_runs(
     Returns
     -------
     The evidence from each replay; the evidence from steps from states of the first replayed run,
-    None if no such steps were taken; and the reason if the replays failed, else empty
+    None if no such steps were taken; and why no run could be replayed, empty if some were
     """
     method, settled, shown = engine.method(method_name), found.settled, []
 
@@ -79,7 +80,7 @@ def examine_runs(
 
 
 def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
-    """Run all intervals of a run again, and compare the differences with their noise.
+    """Replay all intervals of a run, and compare the differences from the run with their noise.
 
     Parameters
     ----------
@@ -91,7 +92,7 @@ def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
     sizes = np.linalg.norm(off, axis=(1, 2))
     worst = np.argsort(sizes)[-FEW:]
     starts, ends = intervals.starts.rows(worst), passage.ends.rows(worst)
-    # The worst intervals are run once more, without reading states on the way.
+    # The intervals that differ most are run once more, without reading states on the way.
     twice = state_differences(intervals.some_again(worst, starts), ends, reach, intervals.ends)
     spread = np.linalg.norm(twice, axis=(1, 2))
     sizes[worst] = np.maximum(sizes[worst], spread)
@@ -102,7 +103,7 @@ def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
         changed = changed_at_random(sessions.scenario, starts, change, chance)
         apart = state_differences(intervals.some_again(worst, changed), ends, reach)
         grown = np.maximum(grown, np.abs(apart).max(axis=(1, 2)))
-        # An interval in which the change has grown as large as the motion shows nothing.
+        # An interval in which a small change grows as large as the motion shows nothing.
         is_lost = (grown > LOST) & (spread <= LOST * change)
         growth = float(max(1.0, (np.minimum(grown, LOST) / change).max()))
         noise = growth * _noise(intervals, condition)
@@ -126,13 +127,13 @@ def _evidence(
     worst: NDArray[np.intp],
     spread: FloatArray,
 ) -> ReplayEvidence:
-    """The evidence from the replays of n intervals, given their differences from the run.
+    """Return the evidence from the replays of n intervals, given their differences from the run.
 
     Parameters
     ----------
     squares : for each interval, χ² of the differences, in units of their noise, (n,)
     sizes : for each interval, the norm of all differences, rad or relative, (n,)
-    worst : the indices of the K intervals that were run again twice
+    worst : the indices of the K intervals that were replayed twice
     spread : the difference of these two replays from each other; 0 if it is within noise, (K,)
     """
     run = intervals.run
@@ -149,11 +150,11 @@ def _evidence(
 
 
 def _noise(intervals: Intervals, condition: float) -> FloatArray:
-    """The noise of the differences between replay and run at the ends of n intervals, (n, 5).
+    """Return the noise of the differences between replays and run at the ends of n intervals.
 
-    It is the standard deviation of each quantity of `state_differences`, from the sources listed in
-    `noise.py`. Most rounding errors add up as a random walk; those of a torque or force that hardly
-    changes add up linearly.
+    It is the standard deviation of each quantity of `state_differences`, (n, 5), from the sources
+    listed in `noise.py`. Most rounding errors add up as a random walk; those of a torque or force
+    that hardly changes add up linearly.
 
     Parameters
     ----------
@@ -162,13 +163,13 @@ def _noise(intervals: Intervals, condition: float) -> FloatArray:
     engine, scenario = intervals.sessions.engine, intervals.sessions.scenario
     run, steps = intervals.run, intervals.steps
     states = states_of(run.motion)
-    # In double precision an engine may compose the body of its parts anew at each restart.
+    # In double precision an engine may add up the body's moments of inertia anew at each restart.
     composed = 0.0 if engine.single_precision else rounding_of_body(condition)
     walk = max(NOISE, ULPS * engine.ulp, composed) * np.sqrt(steps)
     noise = np.repeat(walk[:, None], len(QUANTITIES), axis=1)
     speed = float(norms(states.omega_body).max())
-    # The gyroscopic torque is rounded, too. At worst it is as large as the largest moment makes it,
-    # and acts about the axis of the smallest moment: this ratio is the condition.
+    # The gyroscopic torque is rounded, too. In the worst case its size is that of the largest
+    # moment, and it acts about the axis of the smallest moment: their ratio is the condition.
     turned = speed * run.rung.timestep * np.sqrt(steps)
     noise += rounding_of_body(condition, engine.ulp) * turned[:, None]
     if scenario.constraint.is_pivot:

@@ -1,4 +1,4 @@
-"""The evidence from steps and the series of their gains, in the form in which it is stored.
+"""Puts steps and the series of their gains in the form in which evidence is stored.
 
 A fault is described by the timestep and the state that show it, and by its size.
 """
@@ -29,7 +29,7 @@ from .regression import LEAST
 
 
 def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) -> StepEvidence:
-    """The evidence from steps and the series of their gains.
+    """Return the evidence from steps and the series of their gains.
 
     Parameters
     ----------
@@ -52,15 +52,15 @@ def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) ->
 
 
 def kind_of(look: Look) -> FaultKind:
-    """The kind of the clearest fault, that is, how gains with the smallest tail fail to vanish."""
+    """Return the kind of the clearest fault: how gains with the smallest tail fail to vanish."""
     return _shape(look, *_worst(look))[0]
 
 
 def _order_shown(look: Look, declared: int) -> int:
-    """The lower of the fitted orders of the gains in attitude and in I ω.
+    """Return the lower of the fitted orders of the gains in attitude and in I ω.
 
-    A quantity whose gains are not well above noise is ignored, and if both are, the declared order
-    is returned.
+    A quantity whose gains are not well above noise is ignored. If both are ignored, the declared
+    order is returned.
     """
     shown = [
         series.order
@@ -71,7 +71,10 @@ def _order_shown(look: Look, declared: int) -> int:
 
 
 def _curves(look: Look) -> list[GainCurve]:
-    """The gains of each quantity by timestep, of the state with the smallest tail, for storage."""
+    """Return the gains of each quantity by timestep, of the state with the smallest tail.
+
+    Quantities whose gains are all zero are left out.
+    """
     curves = []
     for q, (quantity, series) in enumerate(zip(QUANTITIES, look.series, strict=False)):
         if not look.gains[:, :, q].any():
@@ -88,19 +91,19 @@ def _curves(look: Look) -> list[GainCurve]:
 
 
 def _beyond_from(look: Look) -> float:
-    """The shortest timestep, s, beyond some state's radius of convergence; 0 if there is none."""
+    """Return the shortest timestep, s, beyond some state's radius of convergence; 0 if none is."""
     count = max(int(one.beyond.max()) for one in look.series)
     return float(look.steps.timesteps[count - 1]) if count else 0.0
 
 
 def _changes_below(look: Look) -> float:
-    """The change point, s: steps below it follow a second series; 0 if there is none."""
+    """Return the change point, s, below which steps follow a second series; 0 if there is none."""
     changes = np.concatenate([one.changes for one in look.series])
     return float(look.steps.timesteps[changes[changes > 0].min() - 1]) if changes.any() else 0.0
 
 
 def _worst(look: Look) -> tuple[int, int]:
-    """The indices of the quantity and the state with the smallest tail.
+    """Return the indices of the quantity and the state with the smallest tail.
 
     Among equal tails, such as zeros, that of a fault of the kind `leap` comes first, as the gains
     in the other quantities may follow from the leap.
@@ -112,7 +115,12 @@ def _worst(look: Look) -> tuple[int, int]:
 
 
 def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
-    """The kind of the fault of state k in quantity q, and the index of a timestep that shows it."""
+    """Return the kind of a fault, and the index of a timestep that shows it.
+
+    Parameters
+    ----------
+    q, k : the indices of the quantity and of the state that show the fault
+    """
     series, timesteps = look.series[q], look.steps.timesteps
     gains, noise, last = look.gains[:, :, q], look.noise[:, :, q], len(timesteps) - 1
     bad = np.flatnonzero(series.tails[:, k] * series.tests < look.level)
@@ -131,7 +139,7 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
 
 
 def _fault(look: Look, at: Places, *, explains: bool) -> StepFault:
-    """The fault that the gains with the smallest tail show.
+    """Return the fault that the gains with the smallest tail show.
 
     Parameters
     ----------
@@ -165,10 +173,14 @@ def _fault(look: Look, at: Places, *, explains: bool) -> StepFault:
 def random_fault(
     at: Places, k: int, quantity: Quantity, timestep: float, apart: FloatArray
 ) -> StepFault:
-    """The fault that steps with a timestep, s, taken twice from state k, end differently.
+    """Return the fault of steps that end differently when they are taken twice from one state.
 
     Parameters
     ----------
+    at : the states
+    k : index of the one state
+    quantity : the quantity that differs
+    timestep : s
     apart : by how much the gain in the quantity differs, in the units of `step_gains`, (3,)
     """
     time = None if np.isnan(at.times[k]) else float(at.times[k])
@@ -176,7 +188,7 @@ def random_fault(
 
 
 def _limits(look: Look) -> Gains:
-    """The limits of the gains of all states, in all quantities but the rotors' momenta."""
+    """Return the limits of the gains of all states, in all quantities but the rotors' momenta."""
     of_the_body = look.series[: QUANTITIES.index("parts")]
     limits, errors = (
         np.stack([getattr(one, name) for one in of_the_body], axis=1)

@@ -17,7 +17,7 @@ from ....scenarios.scenario import started_at
 from ...results.records import LARGEST
 from .places import states_of
 
-#: The most states or intervals that are used where each takes long; and the number of steps during
+#: The most states or intervals that are used where each takes long. Also the number of steps for
 #: which a method, or the solver of a constraint, may remember an earlier state.
 FEW = 8
 
@@ -32,7 +32,7 @@ class Sessions:
     Attributes
     ----------
     first : the session that is kept
-    batches : batches of the scene that are kept, by their numbers of worlds
+    batches : open batches, each of several copies of the scene, by the number of copies
     """
 
     engine: Engine
@@ -42,12 +42,12 @@ class Sessions:
     batches: dict[int, Batch] = field(default_factory=dict)
 
     def open_at(self, scenario: Scenario, timestep: float) -> Session:
-        """A further session on a scene, with a timestep, s."""
+        """Open a further session of the method on a scene, with a timestep, s, and return it."""
         return self.engine.open(scenario, self.method, timestep)
 
     @contextmanager
     def at(self, state: State, timestep: float) -> Iterator[Session]:
-        """A session in a given state, with a timestep, s."""
+        """Yield a session in a given state, with a timestep, s."""
         if self.first.can_restart:
             self.first.restart(state, timestep)
             yield self.first
@@ -58,14 +58,15 @@ class Sessions:
     def single_steps(
         self, states: State, timestep: float, settle: int
     ) -> tuple[Sequence[Any], Sequence[Any]]:
-        """Snapshots before and after a step from each of n states.
+        """Return snapshots before and after a step from each of n states.
 
         Where an engine can, the steps are taken in one batch, which takes less time.
 
         Parameters
         ----------
+        states : n states
         timestep : s
-        settle : number of steps from each state before the first of these snapshots
+        settle : number of steps that are taken from each state before its first snapshot
         """
         count = len(states.omega_body)
         if not self.engine.restarts_batches or count == 1:
@@ -83,7 +84,7 @@ class Sessions:
         return before, batch.snapshots(places)
 
     def _single_step(self, state: State, timestep: float, settle: int) -> tuple[Any, Any]:
-        """Return snapshots before and after a step from one state, as `single_steps` does."""
+        """Return the snapshots before and after a step from one state; see `single_steps`."""
         with self.at(state, timestep) as session:
             if settle:
                 session.advance(settle)
@@ -96,7 +97,12 @@ class Sessions:
 def sessions_of(
     engine: Engine, method: Method, scenario: Scenario, timestep: float
 ) -> Iterator[Sessions]:
-    """Sessions of a method on a scene, of which the first has the given timestep, s."""
+    """Yield sessions of a method on a scene, and close them in the end.
+
+    Parameters
+    ----------
+    timestep : timestep of the session that is opened first, s
+    """
     with engine.open(scenario, method, timestep) as first:
         sessions = Sessions(engine, method, scenario, first)
         try:
@@ -110,7 +116,8 @@ def sessions_of(
 class Steps:
     """States before and after steps, and the exact states that should be reached.
 
-    The states have J R K rows: K states, R times, with the first timestep, then with the next.
+    The states have J R K rows: K states, repeated R times, with the first timestep; then the same
+    with the next timestep, and so on.
 
     Attributes
     ----------
@@ -129,22 +136,22 @@ class Steps:
     repeats: int = 1
 
     def by_timestep(self, rows: FloatArray) -> FloatArray:
-        """The values of all rows, (J R K, …), by timestep, repeat and state, as (J, R, K, …)."""
+        """Return rows, (J R K, …), as an array by timestep, repeat and state, (J, R, K, …)."""
         return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])
 
 
 def steps_from(
     sessions: Sessions, states: State, timesteps: FloatArray, settle: int = 0, repeats: int = 1
 ) -> Steps:
-    """Take one step from each of R K states with each of J timesteps.
+    """Take one step from each of R K states with each of J timesteps, and return these steps.
 
     Parameters
     ----------
     states : R K states
     timesteps : s, (J,)
-    settle : number of steps, in which a constraint settles, before the step that counts. They begin
-        in the exact state from which the motion leads to the given state in the duration of these
-        steps
+    settle : number of steps, in which a constraint settles, before the step that counts. The first
+        of them begins in an earlier exact state, from which the motion leads to the given state in
+        the duration of these steps
     repeats : R
 
     Raises
@@ -167,11 +174,11 @@ def steps_from(
 
 
 def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
-    """The n states to which the exact motion leads from given states.
+    """Return the n states to which the exact motion leads from given states.
 
     Parameters
     ----------
-    states : n states
+    states : n states; their quaternions are normalised first
     spans : duration of each motion, s, (n,); it may be negative
     """
     lengths = norms(states.q_world_body_wxyz)[:, None]
@@ -181,12 +188,12 @@ def flowed(scenario: Scenario, states: State, spans: FloatArray) -> State:
 
 
 def _earlier(scenario: Scenario, states: State, span: float) -> State:
-    """The n exact states from which the motion leads to given states in a given time.
+    """Return the n exact states from which the motion leads to given states in a given time.
 
-    Runs that start there lead to the given states at any timestep, up to the error of their steps.
-    As a damped motion grows without bounds backwards in time, it is followed back for one time
-    constant at most. A state remains as it is if, in the earlier state, the constraint's force
-    would not be in its allowed direction.
+    Runs that start there end in the given states whatever the timestep, up to the error of their
+    steps. As a damped motion grows without bounds backwards in time, it is followed back for one
+    time constant at most. A state is returned as it is if, in the earlier state, a one-sided
+    constraint would have to pull.
 
     Parameters
     ----------
@@ -199,13 +206,13 @@ def _earlier(scenario: Scenario, states: State, span: float) -> State:
 
 
 def step_gains(equations: Equations, steps: Steps) -> FloatArray:
-    """The gains of steps: their differences from the exact motion, per second, (J, R, K, Q, 3).
+    """Return the gains of steps: differences from the exact motion, per second.
 
-    The quantities are attitude, rad/s, and I ω, N m, in body axes; velocity, m/s², and position of
-    the com, m/s, in world axes; and, if there are rotors, their constant angular momenta about
-    their axles, N m, or three projections of these if there are more than three rotors. For a body
-    on a pivot, velocity and position are not gains: they are the differences of velocity, m/s, and
-    com, m, from the values that ω and attitude demand.
+    The shape is (J, R, K, Q, 3), for Q quantities. They are attitude, rad/s, and I ω, N m, in body
+    axes; velocity, m/s², and position of the com, m/s, in world axes; and, if there are rotors,
+    their constant angular momenta about their axles, N m, or three projections of these if there
+    are more than three rotors. For a body on a pivot, velocity and position are not gains: they are
+    the differences of velocity, m/s, and com, m, from the values that ω and attitude demand.
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
@@ -227,7 +234,7 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _directions(count: int) -> FloatArray:
-    """The matrix, (count, 3), that projects the axial momenta of rotors, (n, count), to three.
+    """Return the matrix that projects angular momenta of rotors, (n, count), to three, (count, 3).
 
     For more than three rotors its columns are orthonormal. For three or fewer, each rotor has a
     column of its own, and the columns that remain are zero.
@@ -238,10 +245,10 @@ def _directions(count: int) -> FloatArray:
 
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
-    """The differences of velocity, m/s, and com, m, from what the constraint demands, (n, 3) each.
+    """Return the differences of velocity, m/s, and com, m, from what the constraint demands.
 
-    Both are along world axes. What the constraint demands follows from attitude and ω along axes
-    that it holds; along other axes the differences are 0.
+    Both are along world axes, (n, 3). The constraint demands values that follow from attitude and
+    ω, but only along the axes that it holds; along other axes the differences are 0.
     """
     on = equations.on_constraint(states)
     return states.velocity_world - on.velocity_world, states.com_world - on.com_world
@@ -250,7 +257,7 @@ def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray,
 def state_differences(
     states: State, others: State, reach: float, among: State | None = None
 ) -> FloatArray:
-    """The differences of n states from n other states, (n, 5, 3).
+    """Return the differences of n states from n other states, (n, 5, 3).
 
     The five quantities are attitude, rad; ω, the com's velocity and the com's position, relative to
     their sizes; and spins, relative to their size, with the norm of the differences of all spins as
@@ -259,8 +266,8 @@ def state_differences(
     Parameters
     ----------
     reach : `Equations.reach`, m: a length that is added to the size of positions and, times the
-        largest ‖ω‖, to that of velocities
-    among : states whose largest sizes the differences are relative to; the others if None
+        largest ‖ω‖, to the size of velocities
+    among : states whose largest ω, velocity, position and spins are the sizes; the others if None
     """
     among = among or others
     speed = float(norms(among.omega_body).max()) or 1.0
