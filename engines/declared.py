@@ -54,7 +54,7 @@ class _Declaration(ChildAnswer):
 
 
 def misdeclared(engine: Engine) -> str:
-    """Return the first attribute of an adapter that cannot be used, and why; empty if all can.
+    """Return why the first invalid attribute of an adapter is invalid; empty if all are valid.
 
     The rules are those for an engine in another language (docs/reference/engine-protocol.md).
     """

@@ -46,12 +46,13 @@ WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
 
 @dataclass(frozen=True)
 class Fault:
-    """The first bad state among several.
+    """A bad state, found in a check of several states: the first of them with its kind of fault.
 
     Attributes
     ----------
     index : index of the state among those that were checked
-    cause, reason : what is bad about the state, in a word and in a sentence
+    cause : what is bad about the state, in one word
+    reason : what is bad about the state, in a sentence
     """
 
     index: int
