@@ -227,6 +227,6 @@ class Worlds:
         self.moving = jax.block_until_ready(self.loop(self.still, self.moving, np.int32(steps)))
 
     def motions(self, places):
-        """Return qpos and qvel of the worlds with indices `places`, one a row."""
+        """Return qpos and qvel, a row for each world whose index is in `places`."""
         data = jax.tree.unflatten(self.data_tree, self.moving)
         return np.concatenate([data.qpos, data.qvel], axis=1)[places]
