@@ -25,7 +25,7 @@ Effects = Annotated[frozenset[Effect], Field(strict=False)]
 
 
 class _Method(ChildAnswer):
-    """A method as an adapter in Python states it; `Method` documents the fields."""
+    """Types and ranges of the fields of a `Method`; that class documents the fields."""
 
     name: Name
     order: Order
@@ -41,7 +41,7 @@ class _Method(ChildAnswer):
 
 
 class _Declaration(ChildAnswer):
-    """An engine as an adapter in Python states it; `Engine` documents the fields."""
+    """Types and ranges of attributes of an `Engine`; that class documents the attributes."""
 
     name: Name
     version: Words

@@ -94,17 +94,17 @@ class Engine(Adapted, ABC):
 
     @property
     def ulp(self) -> float:
-        """The relative distance of neighbouring floats in the precision of the engine's state."""
+        """The machine epsilon of the precision in which the engine holds its state."""
         return float(np.finfo(np.float32 if self.single_precision else np.float64).eps)
 
     @property
     @abstractmethod
     def version(self) -> str:
-        """The engine's own version."""
+        """The version of the physics engine, not of its adapter."""
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """Files that the engine's results depend on, besides its adapter."""
+        """The files that the engine's results depend on, besides those of its adapter."""
         return ()
 
     @property

@@ -60,7 +60,7 @@ class WorldSession(Session):
         return True
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state; see `Session.restart`."""
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`)."""
         self.timestep = self.timestep if timestep is None else timestep
         self.world.restart(self.frame.motion(state), self.timestep)
 
@@ -196,7 +196,7 @@ class RecordBatch(WorldBatch):
         super().__init__(import_module(module).World(first, method, timestep, others), device)
 
     def restart(self, states: State, timestep: float) -> None:
-        """Set each world to a state; see `Batch.restart`."""
+        """Set each world to its row of `states`, and the timestep, s (`Batch.restart`)."""
         motions = [frame.motion(states.rows(k)) for k, frame in enumerate(self._frames)]
         self._worlds.restart(motions, timestep)
 

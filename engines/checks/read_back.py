@@ -252,7 +252,7 @@ def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
 
 
 def stated_body(scenario: Scenario) -> BodyReading:
-    """Return the scene's body as an engine should hold it."""
+    """Return the scene's body, with its rotors, as an engine should hold it."""
     body = scenario.body
     return BodyReading(body.mass, body.com, body.inertia_com, scenario.rotors.axial_body)
 

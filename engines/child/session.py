@@ -73,7 +73,7 @@ class ChildSession(Session):
         return self._child.hello is not None and self._child.hello.restart
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the child's body to a state; see `Session.restart`."""
+        """Set the child's body to a state, and the timestep, s, if given (`Session.restart`)."""
         self._timestep = self._timestep if timestep is None else timestep
         motion, self._left = self._frame.motion(state), 0
         self._state = self._child.ask(StateRow, "restart", **motion, timestep=self._timestep)

@@ -1,6 +1,7 @@
 """Exudyn, flexible multibody dynamics with explicit and implicit integrators, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 import warnings
@@ -107,7 +108,7 @@ class ExudynSession(WorldSession):
     _trouble = ""
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state; see `Session.restart`."""
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`)."""
         self._trouble = ""
         super().restart(state, timestep)
 

@@ -55,7 +55,7 @@ class MuJoCoModelReader(ModelReader):
         return str(mujoco.mj_versionString())
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Return the bodies of the compiled file, by name."""
+        """Compile a file; return its bodies by their names, each without its children."""
         try:
             # A temporary current folder, because MuJoCo writes a log of its warnings there.
             with tempfile.TemporaryDirectory() as folder, chdir(folder):

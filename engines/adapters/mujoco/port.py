@@ -64,7 +64,7 @@ class PortSession(CoordinateSession):
         self._world.advance(steps)
 
     def check(self) -> None:
-        """Do nothing: no port warns or resets."""
+        """Do nothing: MuJoCo's ports neither warn nor reset the state."""
 
     def active(self) -> frozenset[str]:
         """Return what acts on the body, as found in the port's model and data.
@@ -97,7 +97,7 @@ class PortBatch(WorldBatch):
         self._session = session
 
     def restart(self, states: State, timestep: float) -> None:
-        """Set each world to a state; see `Batch.restart`."""
+        """Set each world to its row of `states`, and the timestep, s (`Batch.restart`)."""
         count = len(states.omega_body)
         rows = [self._session.coordinates(states.rows(k)) for k in range(count)]
         self._worlds.set_timestep(timestep)
@@ -124,7 +124,7 @@ def left_in(
 
 
 def starts(scenarios: Sequence[Scenario]) -> tuple[FloatArray, FloatArray]:
-    """Return the starts of many worlds as two arrays, qpos and qvel, with a row for each world."""
+    """Return the starts of n worlds: coordinates qpos, (n, nq), and velocities qvel, (n, nv)."""
     at_start = {scenario: start_coordinates(scenario) for scenario in scenarios}
     qpos, qvel = zip(*(at_start[scenario] for scenario in scenarios), strict=True)
     return np.array(qpos), np.array(qvel)

@@ -1,6 +1,7 @@
 """Newton's rigid-body solvers, in single precision, on the CPU.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,6 +1,7 @@
 """The library libbox3d, in single precision, from its Python package `pybox3d`.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 from typing import final

@@ -1,7 +1,7 @@
 """PyBullet, Bullet 3 in double precision, with scenes as URDF.
 
-What it does to a top by default, and how each effect was measured:
-docs/measured/engines-pybullet.md.
+docs/measured/engines-pybullet.md says what the engine does to a top by default, and how effects
+were measured.
 """
 
 from collections.abc import Collection

@@ -10,8 +10,8 @@ from ....scenarios.effects.push import push
 from ....scenarios.rotation import cross
 from .model import Model, attitude
 
-#: Timestep h of a probe, s. The measured torque, ΔL / h, has a rounding error of ε L / h, where ε is
-#: the machine epsilon, and a truncation error proportional to h. Their sum is least at h = √ε.
+#: Timestep h of a probe, s. The measured torque, ΔL / h, has a rounding error of ε L / h, where ε
+#: is the machine epsilon, and a truncation error proportional to h. Their sum is least at h = √ε.
 PROBE_STEP = 2.0**-26
 #: Spin in a probe, rad/s, and speed of a free body's com, m/s. It is so slow that gyroscopic terms
 #: are smaller than these errors.
