@@ -36,7 +36,7 @@ def engines() -> dict[str, Engine]:
 
 
 def add(engine: Engine) -> None:
-    """Add an engine to `engines()` for the rest of this process, unless it is there already.
+    """Add an engine to those of `engines()`, for the rest of this process.
 
     An engine of the same class and name is replaced.
 

@@ -48,8 +48,8 @@ class Engine(Adapted, ABC):
         ω or by the correction of a constraint; 0 if there is no such limit
     stock_timestep : the engine's default timestep, s; None if users have to set one
     step_seconds, steps_in : no longer read; adapters may still state them
-    package : the package that an optional engine needs, imported when a scene is opened; empty if
-        none has to be found
+    package : a package that the engine needs and that may not be installed; it is imported when a
+        scene is opened. Empty if there is none
     extra : the extra of spincheck that installs the package; if empty, it has the engine's name
     family : a name for several optional engines, by which users may ask for all of them; may be
         empty

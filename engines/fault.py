@@ -46,7 +46,9 @@ WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
 
 @dataclass(frozen=True)
 class Fault:
-    """A bad state, found in a check of several states: the first of them with its kind of fault.
+    """What is bad about a state of a run.
+
+    A check of several states gives the first that is bad in this way.
 
     Attributes
     ----------

@@ -58,9 +58,9 @@ class Release:
 
     Attributes
     ----------
-    requirements : distributions to install, as pip takes them. Under the running Python pip
-        installs no dependencies of theirs; a dependency is listed here if this version needs
-        another release of it than the newest version of the engine does
+    requirements : distributions to install, as pip takes them. Under the running Python they are
+        installed without dependencies: list a dependency here if this version needs another release
+        of it than the newest version of the engine does
     methods : the methods, with their orders in this version
     installed_as : name of the engine under which the version is installed, if two engines share a
         package; empty if that is the engine's own name

@@ -46,7 +46,7 @@ def silent() -> Iterator[None]:
 
 @contextmanager
 def _caught(descriptor: int) -> Iterator[int]:
-    """Redirect a file descriptor to a temporary file inside the block; yield the file's one."""
+    """Redirect a descriptor to a temporary file inside the block; yield that file's descriptor."""
     _flush()
     kept = os.dup(descriptor)
     with tempfile.TemporaryFile() as file:
@@ -61,7 +61,7 @@ def _caught(descriptor: int) -> Iterator[int]:
 def _flush() -> None:
     """Flush the output buffers of Python and C.
 
-    What is left in a buffer would be captured by a later block, or leave this one uncaptured.
+    Text left in them would be captured by a block that did not print it, or not at all.
     """
     for stream in (sys.stdout, sys.stderr):
         stream.flush()

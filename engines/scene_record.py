@@ -110,7 +110,7 @@ class RecordFrame:
         return self.com_body - self.whole_body
 
     def motion(self, state: State) -> dict[str, list[float]]:
-        """Return a state in a record's keys: `q`, `omega`, `com`, `velocity` and, if any, `spins`.
+        """Return a state as entries of a record: `q`, `omega`, `com`, `velocity`, any `spins`.
 
         `q` is the attitude of the record's axes, w x y z, and vectors are along world axes. Com and
         velocity are those of the body without rotors.

@@ -98,7 +98,7 @@ class Session(Adapted, ABC):
         return self.read_state()
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
-        """Take the steps before each snapshot in turn, and pass the snapshot on.
+        """Take steps and then a snapshot, again and again; pass each snapshot to `keep`.
 
         Parameters
         ----------

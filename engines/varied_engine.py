@@ -44,5 +44,5 @@ class VariedEngine(Engine):
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """Return what the other engine's method `differences` returns."""
+        """Return the quantities that differ from the scene, by the other engine's `differences`."""
         return self.base.differences(scenario, method, body, state)

@@ -65,7 +65,7 @@ class WorldSession(Session):
         self.world.restart(self.frame.motion(state), self.timestep)
 
     def damped_by(self, damping: Sequence[float]) -> dict[str, bool]:
-        """Return, by a name for a joint's damping, whether any of it acts.
+        """Return one entry: a name for a joint's damping, and whether any damping acts.
 
         The name is "drag" if the damping is the scene's drag, else it states the coefficients.
 
@@ -79,9 +79,13 @@ class WorldSession(Session):
         return {name: any(damping)}
 
     def gravity_by(self, vector: FloatArray) -> dict[str, bool]:
-        """Return, by a name for the gravity `vector` of a world, m/s², (3,), whether it acts.
+        """Return one entry: a name for a world's gravity, and whether it acts.
 
-        The name is "gravity" if the vector is that of the scene, else it states the vector.
+        The name is "gravity" if the gravity is that of the scene, else it states the vector.
+
+        Parameters
+        ----------
+        vector : the gravity that the engine applies, m/s², world axes, (3,)
         """
         right = np.array_equal(vector, self.scenario.gravity_world)
         return {"gravity" if right else f"a gravity of {vector.tolist()} m/s²": bool(vector.any())}

@@ -23,7 +23,7 @@ OF_ORIGIN = 2.0**-10
 
 
 class EngineError(Exception):
-    """The engine refuses, fails, warned, or has reset or clamped the state.
+    """An engine failed, refused a scene, warned, or reset or clamped the state.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def differences(
 
 
 def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
-    """Return, in words, the common mistake that makes the engine's quaternion of the scene's.
+    """Return, in words, the common mistake that turns the scene's quaternion into the engine's.
 
     The words are empty if no known mistake does so.
 
@@ -237,7 +237,9 @@ def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) 
 
 
 def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
-    """Return words that say that ω is along world axes, or turned the wrong way; else empty.
+    """Return words that say that ω was read back along wrong axes; empty if it was not.
+
+    Its components are then those of the scene, rotated by the attitude or by its inverse.
 
     Parameters
     ----------

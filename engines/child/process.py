@@ -220,7 +220,7 @@ class ChildProcess:
         return self._process.poll() is None
 
     def _take(self, descriptor: int, do: str) -> None:
-        """Read from a pipe: of output, or of answers, given its descriptor.
+        """Read from the pipe with a given descriptor, that of answers or that of printed output.
 
         `ProtocolError` is raised at the end of the answers' pipe, or if an answer is too long; `do`
         is the name of the call.

@@ -24,7 +24,7 @@ WITHOUT_PACKAGE = frozenset({"applies_to", "at_version", "defaults", "left_out",
 
 @final
 class VersionedEngine(Engine):
-    """An engine at another version of its package, used by the same adapter.
+    """An engine at another version of its package, driven by the same adapter.
 
     It opens scenes only in a process that imports modules from the folder `site` first, so that the
     adapter uses this version. All members of `Engine` that this class does not define are forwarded

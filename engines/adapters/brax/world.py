@@ -248,7 +248,7 @@ class World:
         return self.motion_of(self.state)
 
     def motion_of(self, state):
-        """Return the array that `motion` returns, for a given state of the pipeline."""
+        """Return a state of the pipeline as one array, (13,), with the numbers of `motion`."""
         q, qd = np.asarray(state.q, float), np.asarray(state.qd, float)
         if not self.is_generalized:
             place, turning = jax.tree.map(
@@ -305,7 +305,7 @@ class Worlds:
         self.states = jax.block_until_ready(ended)
 
     def motions(self, places):
-        """Return motions of the worlds whose indices are in `places`, in the form of `motion`."""
+        """Return a list of the states of the worlds with indices `places`, in `motion`'s form."""
         states = jax.tree.map(np.asarray, self.states)
         return [
             self.worlds[k].motion_of(jax.tree.map(lambda leaf, k=k: leaf[k], states))

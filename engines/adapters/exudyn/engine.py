@@ -225,7 +225,7 @@ class ExudynSession(WorldSession):
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
     def _of_damper(self, found: Any) -> str:
-        """Return "drag" if a connector is the scene's drag and no more, else a description."""
+        """Return "drag" if a connector is exactly the scene's drag, else a description of it."""
         damping = np.diag(found["damping"])
         # A node's rotational coordinates come last, but `damped_by` takes them first.
         (name,) = self.damped_by(np.roll(damping, 3).tolist())

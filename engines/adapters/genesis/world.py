@@ -136,7 +136,7 @@ class World:
         return motion
 
     def motions(self, worlds):
-        """Return arrays in the form of `motion`, for each of the worlds with given indices."""
+        """Return a list of the states of the worlds with given indices, each in `motion`'s form."""
         q, qd = (
             numbers.numpy().astype(float)
             for numbers in (self.solver.get_qpos(), self.solver.get_dofs_velocity())
@@ -144,9 +144,13 @@ class World:
         return [self.motion_of(self.scenes[k], q[k], qd[k]) for k in worlds]
 
     def motion_of(self, scene, q, qd):
-        """Return the array that `motion` returns, given a joint's coordinates q and velocities qd.
+        """Return the state of one world as an array, (13,), with the numbers of `motion`.
 
-        `scene` is the record of the world's scene.
+        Parameters
+        ----------
+        scene : the record of the world's scene
+        q : coordinates of the body's joint
+        qd : velocities of the joint
         """
         R = matrix(q[-4:])
         omega = R @ qd[-3:]

@@ -1,4 +1,4 @@
-"""A scene in MJX: a compiled loop steps it; what acted is found by MuJoCo's own functions."""
+"""A scene in MJX: a compiled loop steps it, and the audit of MuJoCo's adapter finds what acts."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache, partial

@@ -41,7 +41,7 @@ def nameless(text):
 
 
 def in_mjx(compiled):
-    """Return MJX's model of one that MuJoCo compiled, and data at rest, with arrays of numpy.
+    """Convert a model that MuJoCo compiled; return MJX's model, and data at rest, in numpy arrays.
 
     The arrays are numpy's because the compiled loop accepts none of JAX's weak types, and so that
     they can be read like MuJoCo's own. The marks of aligned bodies (`MARKS`), by which MuJoCo's C
@@ -133,7 +133,7 @@ class World:
         self.still[self.still_at.opt.timestep] = self.model.opt.timestep
 
     def restart(self, qpos, qvel):
-        """Set coordinates, (nq,), and velocities, (nv,), and data otherwise as before any step."""
+        """Set coordinates, (nq,), and velocities, (nv,); nothing of earlier steps is left."""
         self.moving = [*self.at_rest]
         for at, numbers in (self.moving_at.qpos, qpos), (self.moving_at.qvel, qvel):
             self.moving[at] = np.asarray(numbers, dtype=self.precision)

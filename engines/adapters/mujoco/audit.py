@@ -107,7 +107,7 @@ def _further_parts(model: Any, rotors: Sequence[Rotor]) -> set[str]:
     """Return what the model has besides the body, as a set of names and descriptions.
 
     For a scene with rotors, the set is {"rotors"}, or says how the further bodies differ from the
-    rotors. For any other scene it says which bodies, joints and armatures there are too many; it is
+    rotors. For any other scene it has descriptions of further bodies, joints and armatures; it is
     empty if there are none. Bodies welded to the first one are part of the body.
     """
     if rotors:

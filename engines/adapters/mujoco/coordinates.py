@@ -27,7 +27,10 @@ TURNING = 3
 
 
 def one_body(model: Any, body: int) -> BodyReading:
-    """Return the body with index `body` of a compiled model, without its children, in its axes."""
+    """Return one body of a compiled model, without its children, in its own axes.
+
+    `body` is the body's index in the model.
+    """
     R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
     return BodyReading(
         mass=float(model.body_mass[body]),

@@ -225,7 +225,7 @@ def check_not_too_small(scenario: Scenario) -> None:
 
 
 def compiled(build: Callable[[], Any]) -> Any:
-    """Return the model that `build` compiles, if MuJoCo's compiler does not warn.
+    """Return the model that `build` compiles; a warning of the compiler is raised as an error.
 
     Raises
     ------

@@ -196,7 +196,7 @@ class World:
         return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
 
     def motions(self, worlds):
-        """Return what `motion` returns, for each of the worlds with given indices."""
+        """Return a list of the states of the worlds with given indices, each in `motion`'s form."""
         return [self.motion(world) for world in worlds]
 
     def push(self, state):

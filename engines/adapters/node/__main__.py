@@ -14,7 +14,9 @@ PATIENCE = 3600.0
 
 
 def main() -> int:
-    """Install the npm packages if they are not, and print each engine's version or trouble.
+    """Install the npm packages if they are missing, and print each engine's version.
+
+    If an engine does not start, the reason is printed instead.
 
     It returns the exit code: 3 if npm is not installed, 1 if npm cannot install the packages or an
     engine does not start, else 0.

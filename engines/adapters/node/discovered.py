@@ -87,7 +87,7 @@ def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEn
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:
-    """Return an engine's stored description; None if none is stored or can be read.
+    """Return an engine's stored description; None if there is none that can be read.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ def half_extents(mass, moments):
 
 
 class World:
-    """A box with its centre at the com, and if there is a pivot, a spherical joint there.
+    """A box with its centre at the com, and a spherical joint at the pivot if there is one.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ def _holds(world: World) -> set[str]:
 
 
 def _beside(world: World, scenario: Scenario) -> set[str]:
-    """Return, in words, other bodies and collision shapes, with which the body could collide.
+    """Return words on what could collide: other bodies, and collision shapes.
 
     If a table is implemented by a contact, the plane under the body is reported as "table". The
     plane is then removed from the world: it would push the body in the measurements that follow.

@@ -34,7 +34,7 @@ def attitude(state: State) -> FloatArray:
 
 
 class Model:
-    """The body in one PyBullet world, which is made as soon as the body is loaded.
+    """The body in one PyBullet world; a `Model` is made as soon as the body is loaded.
 
     Parameters
     ----------

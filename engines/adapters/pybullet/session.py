@@ -65,7 +65,7 @@ class PyBulletSession(Session):
 
     @property
     def can_restart(self) -> bool:
-        """Whether no contact holds the body: of a contact Bullet would keep earlier impulses."""
+        """Whether no contact holds the body: Bullet would use a contact's earlier impulses."""
         return self.world.scene["plane"] is None
 
     @property
@@ -74,7 +74,7 @@ class PyBulletSession(Session):
         return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state; a body held by a constraint may be set beside its pivot.
+        """Set the body to a state; one that a constraint holds may be set away from its pivot.
 
         `UnsupportedError` is raised if the pivot of a body in maximal coordinates cannot bear the
         load in that state, `EngineError` if PyBullet is interrupted.

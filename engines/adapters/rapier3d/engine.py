@@ -36,7 +36,10 @@ class Rapier3DSession(WorldSession):
     """A session of one body in a Rapier world; the body's origin is its com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as Rapier holds it, from its com; it is held at the joint's anchor."""
+        """Return the body as Rapier holds it, in the record's axes and from the com.
+
+        The point where it is held is the joint's anchor.
+        """
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.data.local_anchor2)
         rotors = [self._rotor(*rotor) for rotor in self.world.rotors]

@@ -28,7 +28,7 @@ def count(mask):
 
 
 def is_soft(joint):
-    """Return whether a joint is a softer spring than `RIGID`, which gives way in short steps."""
+    """Return whether a joint's spring is softer than `RIGID`: it gives way in short steps."""
     return joint.data.softness.natural_frequency < RIGID / 2
 
 
