@@ -13,14 +13,14 @@ class Batch(ABC):
 
     Attributes
     ----------
-    device : the device that steps them: the CPU, or the name of a GPU
+    device : name of the device that steps the worlds: "CPU", or the name of a GPU
     """
 
     device: str = "CPU"
 
     @abstractmethod
     def advance(self, steps: int) -> None:
-        """Take `steps` steps of every world; return when they are taken."""
+        """Take `steps` steps of every world; return only when all are taken."""
 
     def timed(self, steps: int) -> float:
         """Take `steps` steps of every world; return the wall time that the steps took, s."""
@@ -30,20 +30,20 @@ class Batch(ABC):
 
     @abstractmethod
     def snapshots(self, places: Sequence[int]) -> Sequence[Any]:
-        """Return a snapshot, as `Session.snapshot` does, of each world whose index is in `places`.
+        """Return a snapshot of each world whose index is in `places`, in that order.
 
-        It raises no error for a world that blew up.
+        The format is that of the engine's `Session.snapshot`. A world that blew up raises no error.
         """
 
     def restart(self, states: State, timestep: float) -> None:
-        """Set each of n worlds of one scene to a state of its own, as `Session.restart` does.
+        """Set n worlds of one scene to n states, one each, without loading the scene again.
 
-        An engine that implements it says so with `Engine.restarts_batches`; without an
-        implementation it raises NotImplementedError.
+        Nothing of earlier steps may be left. An engine that implements this method sets
+        `Engine.restarts_batches`; in any other the method raises NotImplementedError.
 
         Parameters
         ----------
-        states : n states
+        states : n states, the k-th for the world of index k
         timestep : length of the steps from now on, s
         """
         raise NotImplementedError(f"{type(self).__name__} cannot be restarted.")

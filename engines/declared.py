@@ -25,7 +25,7 @@ Effects = Annotated[frozenset[Effect], Field(strict=False)]
 
 
 class _Method(ChildAnswer):
-    """A method as an adapter in Python states it; `Method` documents the fields."""
+    """Types and ranges of the fields of a `Method`; that class documents the fields."""
 
     name: Name
     order: Order
@@ -41,7 +41,7 @@ class _Method(ChildAnswer):
 
 
 class _Declaration(ChildAnswer):
-    """An engine as an adapter in Python states it; `Engine` documents the fields."""
+    """Types and ranges of attributes of an `Engine`; that class documents the attributes."""
 
     name: Name
     version: Words
@@ -54,7 +54,7 @@ class _Declaration(ChildAnswer):
 
 
 def misdeclared(engine: Engine) -> str:
-    """Return the first attribute of an adapter that cannot be used, and why; empty if all can.
+    """Return why the first invalid attribute of an adapter is invalid; empty if all are valid.
 
     The rules are those for an engine in another language (docs/reference/engine-protocol.md).
     """

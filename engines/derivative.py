@@ -1,7 +1,7 @@
-"""Derivatives of steps that engines compute, in the coordinates that the reference uses.
+"""Derivatives of steps that engines compute, in the coordinates that the reference uses: the chart.
 
-Rows and columns are a turn of the attitude, δR = R [δθ]×, rad, then ω, rad/s, both in body axes:
-docs/explanation/sensitivities.md calls these coordinates the chart.
+Three rows and columns are for a small turn δθ of the attitude R, rad, with δR = R [δθ]×. Three are
+for ω, rad/s. Both are in body axes (docs/explanation/sensitivities.md).
 """
 
 from collections.abc import Callable
@@ -23,9 +23,10 @@ class Derivative:
     ----------
     compute : returns the derivative of the next step, (6, 6), or of dω/dt, (3, 6), and leaves the
         state unchanged; raises `EngineError` if the engine refuses
-    through : returns the derivative of a given number of steps at once, (6, 6), as a tape does;
-        None if users of the engine multiply the derivatives of single steps
-    epsilon : change of a number in finite differences, rad and rad/s; 0 if the derivative is exact
+    through : returns the derivative of the next n steps, (6, 6), given n: of all steps at once, as
+        automatic differentiation can; None if users have to multiply derivatives of single steps
+    epsilon : change of a coordinate in finite differences, rad or rad/s; 0 if the derivative is not
+        by finite differences
     """
 
     compute: Callable[[], FloatArray]
@@ -34,9 +35,13 @@ class Derivative:
 
 
 def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
-    """Return the derivative of a quaternion, w x y z, and ω, body axes, by the chart, (7, 6).
+    """Return the derivative of seven numbers, a quaternion and ω, by the chart, (7, 6).
 
-    δq is q (0, δθ/2).
+    A turn δθ changes the quaternion by δq = q (0, δθ/2), a product of quaternions.
+
+    Parameters
+    ----------
+    q_wxyz : the attitude, a unit quaternion w x y z, (4,)
     """
     by_chart = np.zeros((QUATERNION + 3, CHART))
     by_chart[:QUATERNION, :3] = _product_matrix(q_wxyz) / 2
@@ -45,28 +50,34 @@ def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
 
 
 def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
-    """Return derivatives of turn and ω, (6, n), given those of a quaternion and ω, (7, n).
+    """Return the derivatives of the chart, (6, n), by n variables.
 
     δθ is twice the vector part of q̄ δq. A change of the quaternion's norm alone gives δθ = 0.
+
+    Parameters
+    ----------
+    q_wxyz : the attitude, a quaternion w x y z of any norm, (4,)
+    numbers : the derivatives of this quaternion and of ω, body axes, by the n variables, (7, n)
     """
     turn = 2 * _product_matrix(q_wxyz).T @ numbers[:QUATERNION] / (q_wxyz @ q_wxyz)
     return np.vstack([turn, numbers[QUATERNION:]])
 
 
 def along(R: FloatArray, derivative: FloatArray) -> FloatArray:
-    """Return a derivative along axes b, (3 n, 3 m), given along axes a.
+    """Return a derivative in axes b, (3 n, 3 m), that is given in axes a.
 
     Every three rows, and every three columns, are the components of one vector.
 
     Parameters
     ----------
     R : the matrix that takes components along axes a to components along axes b, (3, 3)
+    derivative : the derivative in axes a, (3 n, 3 m)
     """
     rows, columns = (np.kron(np.eye(n // 3), R) for n in derivative.shape)
     return np.asarray(rows @ derivative @ columns.T)
 
 
 def _product_matrix(q_wxyz: FloatArray) -> FloatArray:
-    """Return the matrix M with q (0, v) = M v for a quaternion q and any vector v, (4, 3)."""
+    """Return the matrix M, (4, 3), with q (0, v) = M v for every vector v, (3,)."""
     w, x, y, z = q_wxyz
     return np.array([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])

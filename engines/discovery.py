@@ -15,7 +15,7 @@ from .interface import NEWEST, misfit
 from .missing import Missing
 
 ENTRY_POINTS = "spincheck.engines"
-#: Name of the module that adapters import.
+#: Name of the module from which adapters import the interface.
 INTERFACE = "spincheck.engine"
 
 
@@ -25,7 +25,7 @@ class NameTaken(ValueError):
 
 @cache
 def engines() -> dict[str, Engine]:
-    """Return every engine that can be used here, by name, sorted.
+    """Return all engines that can be used in this installation, by name, sorted by name.
 
     Raises
     ------
@@ -36,7 +36,9 @@ def engines() -> dict[str, Engine]:
 
 
 def add(engine: Engine) -> None:
-    """Add an engine until this process ends; it replaces one of the same class and name, if any.
+    """Add an engine to those of `engines()`, for the rest of this process.
+
+    An engine of the same class and name is replaced.
 
     Raises
     ------
@@ -50,10 +52,15 @@ def add(engine: Engine) -> None:
 
 @cache
 def missing() -> tuple[Missing, ...]:
-    """Return the engines that cannot be used here, each with the reason.
+    """Return the engines that cannot be used in this installation, each with the reason.
 
-    These are adapters that cannot be imported or are written for another version of the interface,
-    and engines whose package is not installed. `NameTaken` is raised as by `engines`.
+    Their package is not installed, or their adapter cannot be imported, states something that is
+    invalid, or is written for an unsupported version of the interface.
+
+    Raises
+    ------
+    NameTaken
+        If two engines share a name.
     """
     return _discover()[1]
 
@@ -91,13 +98,14 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
 
 
 def _offered(value: str, point: str) -> list[Engine | Missing]:
-    """Return the engines that a module has, or why an entry point names none.
+    """Return the engines that a module defines or finds, usable or not.
 
-    It raises whatever importing the module raises.
+    If an entry point names something else than a module with engines, one `Missing` says so. The
+    function raises whatever importing the module raises.
 
     Parameters
     ----------
-    value : name of the module; an entry point may name an object in a module instead
+    value : name of the module, or "module:object", a form of entry point that is not accepted
     point : name of the entry point; empty for an adapter of spincheck
     """
     name, _, member = value.partition(":")
@@ -110,9 +118,9 @@ def _offered(value: str, point: str) -> list[Engine | Missing]:
 
 
 def _misdeclared(engine: Engine) -> str:
-    """Return what `misdeclared` returns; its module is imported only if it is needed.
+    """Call `declared.misdeclared`, importing its module only here.
 
-    That is for engines of other packages.
+    It is needed only if there are engines of other packages.
     """
     from .declared import misdeclared
 
@@ -127,16 +135,17 @@ def _missing(name: str, error: BaseException) -> Missing:
             return Missing(name, package, f"the package '{package}' is not installed")
     words = f"{type(error).__name__}: {' '.join(str(error).split())}"
     if isinstance(error, ImportError) and error.name == INTERFACE:
-        # The error's message without the path at its end.
+        # Without the path at the end of the error's message.
         words = f"{str(error).partition(' (')[0]}: this spincheck has its version {NEWEST}"
     return Missing(name, "", f"importing it failed: {words}")
 
 
 def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
-    """Yield an instance of each engine class that a module, or a module of its package, defines.
+    """Yield an instance of each complete subclass of `Engine` that a module defines.
 
-    A `Missing` with the reason is yielded instead if the class is for another version of the
-    interface, or if the engine's package is not installed.
+    A class that a package imports from its own modules counts, too. A `Missing` with the reason is
+    yielded instead if the class is for an unsupported version of the interface, or if the engine's
+    package is not installed.
     """
     for cls in vars(module).values():
         if (

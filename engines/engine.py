@@ -36,28 +36,32 @@ from .session import Session
 
 
 class Engine(Adapted, ABC):
-    """A physics engine. Subclasses implement `open`; the run is implemented here, once.
+    """A physics engine. Each adapter is a subclass that implements `open`; all share `run`.
 
     Attributes
     ----------
-    interface : the version of `spincheck.engine` that its adapter is written for
-    name : as users type it
-    methods : what it can simulate with
-    single_precision : whether it holds its state in floats of 24 bits
-    least_turn : rad; smaller rotations in a step, by ω or by the correction of a constraint, are
-        left out by the engine
-    stock_timestep : s, the default timestep; None where users have to set one
+    interface : the version of `spincheck.engine` that the adapter is written for
+    name : name of the engine, as users type it
+    methods : the engine's methods that can be run
+    single_precision : whether the engine holds its state in floats of 24 bits
+    least_turn : rotation in one step, rad, below which the engine leaves the rotation out, be it by
+        ω or by the correction of a constraint; 0 if there is no such limit
+    stock_timestep : the engine's default timestep, s; None if users have to set one
     step_seconds, steps_in : no longer read; adapters may still state them
-    package : of an optional engine, the package that it needs, imported when a scene is opened
-    extra : the extra of spincheck that installs the package; the engine's name if empty
-    family : a name for several optional engines, by which users may ask for all of them
-    of_file : whether it reads the body from a user's model file, of which the scene names a link
-    script_language : what `script` is written in
+    package : a package that the engine needs and that may not be installed; it is imported when a
+        scene is opened. Empty if there is none
+    extra : the extra of spincheck that installs the package; if empty, it has the engine's name
+    family : a name for several optional engines, by which users may ask for all of them; may be
+        empty
+    of_file : whether the engine reads the body from a user's model file; the scene then names a
+        link of that file
+    script_language : the language of the code that `script` returns
     has_batches : whether `open_batch` is implemented
     restarts_batches : whether `Batch.restart` is implemented
-    describes : names of the `Description.features` that `open_with` can write
-    varied : name and value of the argument that the engine passes to `open_with` whenever it opens
-        a scene; empty for an adapter, which opens scenes by `open`
+    describes : names of the features of a body's description (`Description.features`) that
+        `open_with` supports
+    varied : the one keyword argument, name and value, that a `VariedEngine` passes to `open_with`
+        at each opening; empty for all other engines
     """
 
     interface: int
@@ -85,43 +89,50 @@ class Engine(Adapted, ABC):
 
     @property
     def slack(self) -> float:
-        """Relative tolerance of body and start when they are read back from the engine."""
+        """The relative tolerance of body and start when they are read back from the engine."""
         return READ_BACK_SLACK_SINGLE if self.single_precision else READ_BACK_SLACK
 
     @property
     def ulp(self) -> float:
-        """The relative distance of neighbouring floats in the precision of the engine's state."""
+        """The machine epsilon of the precision in which the engine holds its state."""
         return float(np.finfo(np.float32 if self.single_precision else np.float64).eps)
 
     @property
     @abstractmethod
     def version(self) -> str:
-        """The engine's own version."""
+        """The version of the physics engine, not of its adapter."""
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """Files that the engine's results depend on, besides its adapter."""
+        """The files that the engine's results depend on, besides those of its adapter."""
         return ()
 
     @property
     def site(self) -> str:
-        """The folder from which a worker process imports the engine; empty if there is none."""
+        """The folder from which worker processes import modules first; empty if there is none."""
         return ""
 
     def at_version(self, version: str) -> Release | None:  # noqa: ARG002
-        """Return what to install for a version of the engine, such as 3.1.6, and its methods.
+        """Return what to install for another version of the engine, and the methods it then has.
 
-        It is None if other versions are not supported.
+        None says that the adapter does not support other versions.
+
+        Parameters
+        ----------
+        version : such as 3.1.6
         """
         return None
 
     @abstractmethod
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Compile the scene, with its effects and nothing else, and set its start.
+        """Load the scene into the engine and set its start; return the session.
+
+        The scene's effects act, and nothing else, except in a method as shipped.
 
         Parameters
         ----------
-        timestep : s
+        method : one of `methods`
+        timestep : length of the steps, s
 
         Raises
         ------
@@ -137,11 +148,16 @@ class Engine(Adapted, ABC):
         method: Method,
         timestep: float,
     ) -> Batch:
-        """Open many worlds that are stepped together, one for each of the scenes.
+        """Open many worlds that are stepped together; return them as a batch.
 
-        Since version 2 of the interface. The scenes differ only in numbers; most are the same
-        scene. An engine that implements it says so with `has_batches`; without an implementation
-        it raises NotImplementedError.
+        Since version 2 of the interface. An engine that implements this method sets `has_batches`;
+        in any other the method raises NotImplementedError.
+
+        Parameters
+        ----------
+        scenarios : the scene of each world; they differ only in numbers, and most are equal
+        method : one of `methods`
+        timestep : length of the steps, s
         """
         raise NotImplementedError(f"{self.name} steps one world at a time.")
 
@@ -150,10 +166,14 @@ class Engine(Adapted, ABC):
 
         Since version 2 of the interface.
 
+        Parameters
+        ----------
+        name : the engine's own name of the device
+
         Raises
         ------
         UnsupportedError
-            If the engine offers no choice, or there is no such device.
+            If the engine offers no choice of a device, or has no device of that name.
         """
         raise UnsupportedError(f"{self.name} leaves no choice of a device, '{name}' or another")
 
@@ -167,43 +187,43 @@ class Engine(Adapted, ABC):
         defaults: Collection[str] | None = None,
         description: Description = PLAIN,
     ) -> Session:
-        """Open a scene as `open` does, but varied by one of the keyword arguments.
+        """Open a scene as `open` does, but changed by one of the keyword arguments.
 
-        An engine that does not implement it raises NotImplementedError.
+        In an engine that does not implement this method it raises NotImplementedError.
 
         Parameters
         ----------
-        left_in : names, out of those that the method `left_out` returns, of passes or parts that
-            are left in, to measure their cost
-        defaults : names, out of those that the method `defaults` returns, of the engine's defaults
-            that act; None for those that act in the method anyway
-        description : how the body is described; see `describes`
+        left_in : passes or parts of the engine, named as by `Engine.left_out`, that `open` leaves
+            out and that are left in here, so that their cost can be measured
+        defaults : the engine's defaults that act, named as by `Engine.defaults`; None for those
+            that act in the method anyway
+        description : how the body is written into the model; its features must be in `describes`
         """
         raise NotImplementedError(f"{self.name} opens a scene in one way.")
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
         """Return code that builds and steps the scene with this engine's package alone.
 
-        It is empty if the engine has no scripts.
+        It is in the language `script_language`, and empty if the engine has no scripts.
 
-        The code may use `TIMESTEP`, the functions `product`, `conjugate` and `turned` on
-        quaternions, w x y z, and in Python `np`. It defines `step(count)`, and `state()`, which
-        returns attitude, w x y z, and ω in body axes. It must not define `EXACT`, `LARGEST` and
-        `main`.
+        The code may use names that are defined around it: `TIMESTEP`, the functions `product`,
+        `conjugate` and `turned` on quaternions w x y z, and in Python `np`. It must define
+        `step(count)`, and `state()`, which returns the attitude, w x y z, and ω in body axes. It
+        must not define `EXACT`, `LARGEST` or `main`.
         """
         return ""
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """Return names of the engine's passes or parts that `open` leaves out.
+        """Return the names of the engine's passes or parts that `open` leaves out.
 
-        The scene does not call for them: they would cost time and not change the motion.
+        The scene does not call for them: they would cost time, but not change the motion.
         """
         return ()
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """Return names of those of the engine's defaults that alter motions.
+        """Return the names of the engine's default settings that change motions.
 
-        They act only in a method as shipped.
+        They act in a method as shipped, and are switched off in all others.
         """
         return ()
 
@@ -214,11 +234,17 @@ class Engine(Adapted, ABC):
         body: BodyReading,
         state: State,
     ) -> list[Difference]:
-        """Return the differences between a freshly loaded model, with its start, and the scene."""
+        """Return the quantities of body and start that the engine holds otherwise than the scene.
+
+        Parameters
+        ----------
+        method : name of the method that the scene was opened for
+        body, state : the body and the state, read back before the first step
+        """
         return differences(scenario, body, state, self.slack)
 
     def applies_to(self, scenario: Scenario) -> bool:  # noqa: ARG002
-        """Whether the engine can load the scene's kind of body at all, stated or from a file."""
+        """Whether the engine can load the scene's kind of body: stated in it, or from a file."""
         return True
 
     @final
@@ -234,9 +260,10 @@ class Engine(Adapted, ABC):
 
     @final
     def methods_for(self, scenario: Scenario) -> list[Method]:
-        """Return the methods whose required effects a scene has, and no others.
+        """Return the methods whose required effects (`Method.requires`) a scene has.
 
-        The list is empty if `applies_to` is false. A method in it may still not support the scene.
+        The list is empty if `applies_to` is false. A method in it may still be unable to simulate
+        another effect of the scene; see `unsupported`.
         """
         if not self.applies_to(scenario):
             return []
@@ -261,19 +288,20 @@ class Engine(Adapted, ABC):
         *,
         fails_if_unlike: bool = True,
     ) -> Run:
-        """Simulate a scene and return its run, sampled at given step counts k; times are k · dt.
+        """Simulate a scene and return its run, sampled after given numbers of steps.
 
         Parameters
         ----------
-        timestep : dt, s
-        sample_steps : (n,) increasing whole numbers of steps, the first of them 0
-        fails_if_unlike : whether a difference of body, start or effects from the scene fails the
-            run rather than being a remark; for a method as shipped it is always a remark
+        method : one of `methods`
+        timestep : length of the steps, s
+        sample_steps : numbers of steps from the start to each sample, increasing from 0, (n,)
+        fails_if_unlike : whether the run fails if body, start or effects differ from the scene. If
+            it is false, or if the method is as shipped, `Run.reason` states the difference instead
 
         Raises
         ------
         OSError, MemoryError
-            If the engine raises it, as the machine may be at fault. Any other error that is raised
+            If the engine raises it: the machine may be at fault. Any other error that is raised
             while the engine steps ends the run as failed.
         """
         is_strict = fails_if_unlike and not method.as_shipped
@@ -305,7 +333,7 @@ class Engine(Adapted, ABC):
 
 
 def read_at_start(session: Session, scenario: Scenario) -> tuple[BodyReading, State]:
-    """Return body and state as read from a session that was opened on a scene.
+    """Return the body and the state that a newly opened session reads back.
 
     Raises
     ------
@@ -319,18 +347,18 @@ def read_at_start(session: Session, scenario: Scenario) -> tuple[BodyReading, St
 
 
 def _arm(scenario: Scenario, body: BodyReading) -> FloatArray | None:
-    """Return the vector from pivot to com as read back, m, body axes, (3,).
+    """Return the vector from the pivot to the com as read back, m, body axes, (3,).
 
-    It is None if the scene has no pivot, or if pivot and com are the same point.
+    It is None if the scene has no pivot, or if the com is at the pivot.
     """
     has_arm = float(np.linalg.norm(body.com)) > READ_BACK_SLACK * Equations(scenario).reach
     return body.com if has_arm and scenario.constraint.is_pivot else None
 
 
 def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:
-    """Return a message if the engine clamps the turn of body or rotors in the first step.
+    """Return a message if the engine would clamp the turn of body or rotors in the first step.
 
-    It is empty if the first step turns them less than the method's limit.
+    It is empty if they turn no further than the method allows in a step.
     """
     speed = float(np.linalg.norm(scenario.start.omega_body))
     if method.clamps_parts:
@@ -339,9 +367,10 @@ def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:
 
 
 def _samples(sampled: Sampled, sample_steps: NDArray[np.int64], timestep: float) -> dict[str, Any]:
-    """Return fields of a `Run` by name: the trajectory of the valid samples, and its steps.
+    """Return the fields of a `Run`, by name, that follow from its samples.
 
-    The field `stopped_at`, the time of the first invalid sample, is there unless the run is ok.
+    `trajectory` and `steps` are there if any sample is valid, and `stopped_at`, the time of the
+    first invalid sample, if the outcome is not ok.
     """
     fields: dict[str, Any] = {}
     count = sampled.count

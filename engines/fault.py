@@ -46,12 +46,15 @@ WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
 
 @dataclass(frozen=True)
 class Fault:
-    """The first bad state among several.
+    """What is bad about a state of a run.
+
+    A check of several states gives the first that is bad in this way.
 
     Attributes
     ----------
     index : index of the state among those that were checked
-    cause, reason : what is bad about the state, in a word and in a sentence
+    cause : what is bad about the state, in one word
+    reason : what is bad about the state, in a sentence
     """
 
     index: int

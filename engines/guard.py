@@ -1,8 +1,8 @@
 """Kills process groups when the process that started them is gone, however it ended.
 
-It is a program of its own, started by `start_process`. Each line of its standard input is the
-number of a process group, with a minus when that group has ended. The input ends when the process
-that writes it does.
+It is a program of its own, started by `start_process`. Each line of its standard input is the id of
+a process group: positive if the group is to be guarded, negative if it has ended. The input ends
+when the process that writes to it ends.
 """
 
 import os
@@ -12,9 +12,9 @@ from contextlib import suppress
 
 
 def main() -> None:
-    """Keep a list of process groups until the standard input ends; then kill those in the list.
+    """Keep a set of process groups until the standard input ends; then kill those in the set.
 
-    Each line is a number: a positive one adds that group to the list, a negative one removes it.
+    A line with g > 0 adds the group with id g to the set; a line with −g removes it.
     """
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         if number := getattr(signal, name, None):
@@ -28,7 +28,7 @@ def main() -> None:
             groups.discard(-number)
     for group in groups:
         with suppress(OSError):
-            # Windows has no groups.
+            # Windows has no process groups: the process itself is killed.
             getattr(os, "killpg", os.kill)(group, getattr(signal, "SIGKILL", signal.SIGTERM))
 
 

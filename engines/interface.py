@@ -5,18 +5,18 @@ The rules of growth and deprecation are in docs/project/releases.md.
 
 import warnings
 
-#: The newest version, raised by one when something is added; and the oldest that can be used,
-#: raised when something deprecated is removed.
+#: The newest version of the interface; it is raised by one when something is added.
 NEWEST = 2
-#: An adapter that is written for a version from `OLDEST` to `NEWEST` can be used.
+#: The oldest version for which an adapter may be written; it is raised when something deprecated is
+#: removed.
 OLDEST = 1
 
 
 class Adapted:
-    """Base of what adapters implement: it warns if a subclass overrides a deprecated member.
+    """Base of the classes that adapters implement: it warns of overridden deprecated members.
 
-    A member is deprecated by `typing_extensions.deprecated`, whose message names the replacement;
-    whoever calls such a member is warned by the member itself.
+    A member is deprecated by the decorator `typing_extensions.deprecated`, whose message names the
+    replacement. The decorator itself warns only those who call the member.
     """
 
     def __init_subclass__(cls) -> None:
@@ -34,8 +34,8 @@ def misfit(what: str, stated: object, oldest: int = OLDEST, newest: int = NEWEST
     Parameters
     ----------
     what : name of the key or attribute with the version, for the message
-    stated : the version that the engine states; of any type, as others write it
-    oldest, newest : versions that can be used
+    stated : the version that the engine states; its type is not checked yet
+    oldest, newest : the first and the last version that can be used
     """
     if type(stated) is int and oldest <= stated <= newest:
         return ""

@@ -1,8 +1,8 @@
-"""Finds whether a process that died or does not answer failed by its own fault or the machine's.
+"""Decides whether the process or the machine is to blame if a process dies or does not answer.
 
-The limit is on CPU time, so that no engine fails because the machine is busy. Wall time detects a
-process that waits for ever; time in which this process itself was stopped (Ctrl-Z, a closed laptop)
-is not counted.
+An answer may take a limited CPU time, so that no engine fails because the machine is busy. A
+process that waits for ever is detected by wall time. Wall time in which this process itself was
+stopped (Ctrl-Z, a closed laptop) is not counted.
 """
 
 import signal
@@ -22,16 +22,16 @@ _OWN_SIGNALS = frozenset(
     for name in ("SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL", "SIGBUS", "SIGTRAP", "SIGSYS")
     if hasattr(signal, name)
 )
-#: Number of characters, of what a process printed last, that go into the reason of its death.
+#: Largest number of characters that a message quotes of the last line that a process printed.
 LAST_LINE = 200
-#: The reason given when a process was killed by another one.
+#: Beginning of the message that a process was killed by another one.
 KILLED = "was killed from outside"
-#: Time between two readings of the CPU time of a call, s.
+#: Time between two readings of the CPU time that a call has used, s.
 POLL = 0.5
-#: A process hangs if it uses less CPU time than this fraction of the limit while the limit passes
-#: in wall time.
+#: A process hangs if it uses less CPU time than this fraction of the limit, during a wall time as
+#: long as the limit.
 IDLE = 0.01
-#: Wall time that a call may take, in multiples of its limit, however busy the machine is.
+#: Largest wall time of a call, in multiples of its limit of CPU time, however busy the machine is.
 MOST_WALL = 20.0
 
 
@@ -40,8 +40,8 @@ class Overdue(NamedTuple):
 
     Attributes
     ----------
-    words : the limit that was exceeded; a message has these words after "did not answer within "
-    cause : the reason in a word
+    words : the limit that was exceeded; they complete a message "did not answer within …"
+    cause : the reason in one word
     """
 
     words: str
@@ -51,7 +51,9 @@ class Overdue(NamedTuple):
 def wait_for_answer(
     has_answered: Callable[[float], bool], process: psutil.Process, limit: float
 ) -> Overdue | None:
-    """Wait until a process has answered or ended; return None, or why waiting was given up.
+    """Wait until a process has answered or ended; return why, if waiting is given up before.
+
+    None is returned if the process has answered or ended.
 
     Parameters
     ----------
@@ -61,7 +63,7 @@ def wait_for_answer(
     limit : CPU time that the answer may take, s
     """
     wall, begun = 0.0, None
-    # When it was last seen to make progress, and the CPU time used by then.
+    # Wall time and CPU time at which the process was last seen to make progress, s.
     stirred, used_then = 0.0, 0.0
     poll = min(POLL, limit)
     while True:
@@ -70,7 +72,7 @@ def wait_for_answer(
             return None
         wall += min(time.monotonic() - before, 2 * poll)
         used = _cpu_seconds(process)
-        # Not before the first wait: reading CPU times takes longer than most calls.
+        # First read after a wait: most calls take less time than reading it.
         begun = used if begun is None else begun
         used -= begun
         if used - used_then >= IDLE * limit:
@@ -85,7 +87,7 @@ def wait_for_answer(
 
 
 def _idle(process: psutil.Process, limit: float, used: float) -> Overdue:
-    """Return why a process without progress is given up: it was stopped from outside, or hangs.
+    """Return why a process that makes no progress is given up: it is stopped, or it hangs.
 
     Parameters
     ----------
@@ -98,11 +100,11 @@ def _idle(process: psutil.Process, limit: float, used: float) -> Overdue:
 
 
 def death(exit_code: int) -> tuple[str, Cause]:
-    """Return how a process ended, in words that follow a subject ("was killed by …"), and a cause.
+    """Return how a process ended, in words that follow a subject ("was killed …"), and the cause.
 
     Parameters
     ----------
-    exit_code : as `subprocess` has it, less than zero for a signal
+    exit_code : exit code as `subprocess` reports it: −n if signal n ended the process
     """
     if exit_code >= 0 or sys.platform == "win32":
         return f"ended with exit code {exit_code}", "crash"
@@ -117,19 +119,23 @@ def death(exit_code: int) -> tuple[str, Cause]:
 
 
 def last_line(printed: str) -> str:
-    """Return words that quote the last line of what a process printed; empty if it printed none.
+    """Return words that quote the last line that a process printed; empty if it printed nothing.
 
-    They are appended to the message that says how the process ended.
+    They are to be appended to the message that says how the process ended.
+
+    Parameters
+    ----------
+    printed : all that the process printed
     """
     lines = printed.strip().splitlines()
     if lines and lines[-1].startswith("Node.js v"):
-        # The line that node prints after the error that ends it.
+        # After the error that ends it, node prints a line with its version.
         lines = [line for line in lines if "Error" in line] or lines
     return f"; it last printed: {printable(lines[-1][-LAST_LINE:])}" if lines else ""
 
 
 def _cpu_seconds(process: psutil.Process) -> float:
-    """Return the CPU time used by a process and its children so far, s; 0 once it is gone."""
+    """Return the CPU time used by a process and its children, s; 0 if the process is gone."""
     try:
         return sum(sum(one.cpu_times()[:2]) for one in [process, *process.children()])
     except psutil.Error:
@@ -137,7 +143,7 @@ def _cpu_seconds(process: psutil.Process) -> float:
 
 
 def _is_stopped(process: psutil.Process) -> bool:
-    """Whether a process is stopped (SIGSTOP)."""
+    """Whether a process is stopped by a signal such as SIGSTOP."""
     try:
         return bool(process.status() == psutil.STATUS_STOPPED)
     except psutil.Error:

@@ -10,9 +10,9 @@ class Missing:
     Attributes
     ----------
     name : the engine's name, or its adapter's if the adapter cannot be imported
-    package : the distribution that is not installed; empty if importing failed for another reason
-    reason : why the engine cannot be used, with how to install it
-    family : name by which users ask for several optional engines together; empty if it has none
+    package : the package that is not installed; empty if the engine is missing for another reason
+    reason : why the engine cannot be used, and how to install it if that is known
+    family : name by which users ask for several optional engines together; empty if there is none
     """
 
     name: str

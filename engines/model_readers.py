@@ -9,7 +9,7 @@ from .world_engine import WorldEngine
 
 @cache
 def model_readers() -> dict[str, ModelReader]:
-    """Return the installed engines' readers of model files, by name."""
+    """Return the readers of model files of the installed engines, by the reader's name."""
     readers = [
         engine.reader
         for engine in engines().values()

@@ -1,4 +1,4 @@
-"""Captures what native code prints, at the file descriptors, since it bypasses `sys.stdout`."""
+"""Captures output at the file descriptors, because native code bypasses `sys.stdout`."""
 
 import ctypes
 import os
@@ -23,8 +23,8 @@ class Printed:
 def native_output() -> Iterator[Printed]:
     """Capture what Python or native code prints inside the block.
 
-    The yielded object has the text once the block has ended. Blocks must not run in several threads
-    at once, since the descriptors belong to the whole process.
+    The yielded object has the text when the block has ended, not before. Blocks must not run in
+    several threads at once, since the descriptors belong to the whole process.
     """
     printed = Printed()
     with ExitStack() as undo:
@@ -46,7 +46,7 @@ def silent() -> Iterator[None]:
 
 @contextmanager
 def _caught(descriptor: int) -> Iterator[int]:
-    """Redirect a file descriptor, inside the block, to a temporary file; yield its descriptor."""
+    """Redirect a descriptor to a temporary file inside the block; yield that file's descriptor."""
     _flush()
     kept = os.dup(descriptor)
     with tempfile.TemporaryFile() as file:
@@ -59,14 +59,17 @@ def _caught(descriptor: int) -> Iterator[int]:
 
 
 def _flush() -> None:
-    """Flush the buffers of Python and C; otherwise their contents would be captured later."""
+    """Flush the output buffers of Python and C.
+
+    Text left in them would be captured by a block that did not print it, or not at all.
+    """
     for stream in (sys.stdout, sys.stderr):
         stream.flush()
     ctypes.CDLL(None).fflush(None)
 
 
 def _contents(descriptor: int) -> str:
-    """Return all that was written to a file, given its descriptor, as text."""
+    """Return the whole contents, as text, of the file with a given descriptor."""
     os.lseek(descriptor, 0, os.SEEK_SET)
     with os.fdopen(os.dup(descriptor), "rb") as file:
         return file.read().decode(errors="replace")

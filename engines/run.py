@@ -15,14 +15,16 @@ class Run:
 
     Attributes
     ----------
+    engine, engine_version, method : names of engine and method, and the engine's version
+    timestep : length of the steps, s
     outcome : ok, diverged, unsupported or failed
     reason : reason of the outcome, in words. If the outcome is ok it is empty, or it says how
         body, start or effects differ from the scene, where `Engine.run` tolerates differences
-    cause : the reason in a word; empty if `reason` is
+    cause : the reason in one word; empty if `reason` is
     stopped_at : the time of the first invalid sample, s; None if all samples are valid, or if the
         run ended before its first step
     trajectory : the valid samples, all of them before `stopped_at`; None if there are none
-    steps : number of steps up to the last of these samples
+    steps : number of steps from the start to the last valid sample
     active : what the engine says acted on the body (names out of `scenarios.EFFECTS`, and anything
         else the adapter found switched on); empty if the run was not made, failed, or cannot be
         audited

@@ -14,14 +14,15 @@ from .fault import WRONG_AT_ANY_TIMESTEP, Cause, Fault
 from .run import Outcome
 from .session import Session
 
-#: States are checked in blocks: a check takes as long as thousands of steps, and hardly longer for
-#: many states than for few. A block has at least `FIRST_BLOCK` states, about `BLOCK_STEPS` steps,
-#: and as many states as all blocks before it, but never more than `BLOCK` states. So the steps
-#: taken after an undetected fault at most double the run, or cost no more than a check.
+#: States are checked in blocks, because a check takes as long as thousands of steps, and hardly
+#: longer for many states than for few. A block has at least `FIRST_BLOCK` states, about
+#: `BLOCK_STEPS` steps, and as many states as all blocks before it, but never more than `BLOCK`
+#: states. So the steps that are taken between a fault and its detection are at most as many as
+#: those before it, or cost no more than a check.
 FIRST_BLOCK = 1 << 4
 BLOCK_STEPS = 1 << 14
 BLOCK = 1 << 11
-#: A state of zero rows.
+#: No states: arrays without rows.
 NOTHING = State(np.empty((0, 4)), *(np.empty((0, 3)) for _ in range(3)))
 
 
@@ -31,10 +32,10 @@ class Sampled:
 
     Attributes
     ----------
-    states : the samples, one a row; no rows if the first sample was invalid
+    states : the valid samples, one a row; no rows if the first sample was invalid
     outcome : how the run, or block, ended
-    reason, cause : why there are no more samples, in words and in a word; empty if the outcome is
-        ok
+    reason : why there are no more samples, in words; empty if the outcome is ok
+    cause : the reason in one word; empty if the outcome is ok
     """
 
     states: State
@@ -44,26 +45,26 @@ class Sampled:
 
     @property
     def count(self) -> int:
-        """Number of valid samples."""
+        """The number of valid samples."""
         return len(self.states.omega_body)
 
 
 def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) -> Sampled:
-    """Step through all the samples, or until the engine diverges or fails; return the valid ones.
+    """Take the steps of a run until the last sample or a fault; return the valid samples.
 
     Parameters
     ----------
     session : a session that has taken no step yet
-    sample_steps : (n,) increasing whole numbers of steps, the first of them 0
-    bounds : bounds that every state must keep; the run diverges where one does not
+    sample_steps : numbers of steps from the start to each sample, increasing from 0, (n,)
+    bounds : bounds that every state must keep; the run diverges at the first state outside them
 
     Raises
     ------
     EngineError
-        If the arrays of several states do not have the shapes of one state, and a row for each.
+        If `session.states` returns arrays of wrong shapes.
     OSError, MemoryError
-        If a step raises it, as the machine may be at fault. Any other error that a step raises
-        ends the run as failed.
+        If a step raises it: the machine may be at fault. Any other error that a step raises ends
+        the run as failed.
     """
     parts: list[State] = []
     end, start = Sampled(NOTHING), session.read_state()
@@ -85,9 +86,9 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
 
 
 def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
-    """Yield the index of the first sample of each block, and of the first sample after it.
+    """Yield for each block the index of its first sample, and of the first sample after it.
 
-    `steps` are the numbers of steps up to each sample, increasing, (n,).
+    `steps` are the numbers of steps from the start to each sample, increasing, (n,).
     """
     first = 0
     while first < len(steps):
@@ -99,24 +100,24 @@ def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
 
 
 def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]:
-    """Return the snapshots of a block, and how the block ended, without states.
+    """Take the steps of a block; return its snapshots, and how it ended, as yet without states.
 
-    `strides` are the numbers of steps before each snapshot. If the engine stopped, there are fewer
-    snapshots than strides. `OSError` and `MemoryError` are not caught.
+    `strides` has the number of steps to take before each snapshot. If the engine stopped, there are
+    fewer snapshots than strides. `OSError` and `MemoryError` are not caught.
     """
     snapshots: list[Any] = []
     try:
         session.record(strides, snapshots.append)
     except EngineError as error:
-        # Genesis keeps the last state that was finite.
+        # Genesis has the last finite state then, so that the state would not show the blow-up.
         blown_up = error.cause if error.cause == "not-finite" else _blown_up(session)
         if blown_up and error.cause not in WRONG_AT_ANY_TIMESTEP:
             return snapshots, Sampled(NOTHING, "diverged", str(error), error.cause or blown_up)
         return snapshots, Sampled(NOTHING, "failed", str(error), error.cause or "refused")
     except (OSError, MemoryError):
-        # Possibly the machine is at fault, which the caller decides.
+        # The machine may be at fault: the caller decides.
         raise
-    except Exception as error:  # After a bug in an adapter the samples so far are kept.
+    except Exception as error:  # A bug in an adapter: the samples before it are kept.
         return snapshots, Sampled(
             NOTHING, "failed", f"{type(error).__name__}: {error}".removesuffix(": "), "bug"
         )
@@ -124,7 +125,7 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]
 
 
 def _blown_up(session: Session) -> Cause:
-    """Return the cause if the state at which an engine stopped is invalid; empty if it is valid."""
+    """Return why the state at which an engine stopped is invalid, as a cause; empty if valid."""
     try:
         session.check()
         state = session.read_state()
@@ -140,8 +141,9 @@ def _checked(
 
     Parameters
     ----------
-    snapshots, states : the block's n snapshots, and the n states that they stand for
-    end : how the block ended as far as known before its states are checked
+    snapshots : the block's n snapshots
+    states : the n states that the snapshots were converted to
+    end : how the block ended by what the engine reported, before its states are checked
     """
     block_faults = list(faults(states, bounds))
     if fault := session.first_fault(snapshots, states):
@@ -150,7 +152,7 @@ def _checked(
         try:
             session.check()
         except EngineError as error:
-            # The engine stopped at some step of the block; which one is not known.
+            # The trouble began in some step of the block; which one is not known.
             block_faults.insert(0, Fault(0, error.cause or "warning", str(error)))
     if not block_faults:
         return replace(end, states=states)

@@ -1,7 +1,7 @@
-"""A scene as plain numbers, for engines in other languages and stand-alone modules.
+"""A scene record: a scene as plain numbers, for engines in other languages and for scripts.
 
-Numbers are in SI units, along the body's principal axes and from its centre of mass:
-docs/reference/engine-protocol.md.
+Numbers are in SI units. The axes are the principal axes of the body without its rotors, and the
+origin is its centre of mass (docs/reference/engine-protocol.md).
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from spincheck.engine import BodyReading, FloatArray, Rotor, Scenario, State, co
 from ..scenarios.rotation import cross, matrices, matrix, times, turned, turned_back
 from .models.principal_frame import principal_frame
 
-#: The keys of a record and what they hold, as scripts say it in a comment.
+#: The keys of a record, each with the comment by which scripts explain it.
 ABOUT = {
     "mass": "kg",
     "moments": "kg m^2, principal: the axes here are principal ones, from the com",
@@ -38,11 +38,11 @@ ABOUT = {
 
 
 class HeldRotor(NamedTuple):
-    """A rotor as an engine holds it, along the axes of the engine's body that carries it.
+    """A rotor as an engine holds it; vectors are along the axes of the body that carries it.
 
     Attributes
     ----------
-    mass : kg
+    mass : mass, kg
     com : the rotor's com, from the origin of the body that carries it, m, (3,)
     inertia_com : the rotor's tensor about its own com, kg m², (3, 3)
     axis : the axis that it turns about, a unit vector, (3,), or zeros if the hinge is locked
@@ -55,14 +55,14 @@ class HeldRotor(NamedTuple):
 
 
 class WorldBody(NamedTuple):
-    """A body as an engine holds it, along the axes and from the origin of the engine's body.
+    """A body as an engine holds it, in the axes and from the origin of the engine's body.
 
     Attributes
     ----------
-    mass : kg, without the rotors
-    com : the com without the rotors, m, (3,)
-    inertia_com : the tensor about that com, kg m², (3, 3)
-    arm : the point where the body is held, m, (3,); None if it is free
+    mass : mass without the rotors, kg
+    com : com without the rotors, m, (3,)
+    inertia_com : tensor of inertia without the rotors, about that com, kg m², (3, 3)
+    arm : the point where the body is held, m, (3,); None if the body is free
     rotors : the rotors that the body carries
     """
 
@@ -79,10 +79,11 @@ class RecordFrame:
 
     Attributes
     ----------
-    body_from_axes : takes components along the record's axes, which are the principal axes of the
-        body without rotors, to components along the scene's body axes
-    com_body, held_body, whole_body : the com without rotors, the point that is held, and the com
-        with rotors, m, from the origin of the scene's body and along its axes, (3,)
+    body_from_axes : the rotation that takes components along the record's axes, which are the
+        principal axes of the body without rotors, to components along the scene's body axes
+    com_body : com of the body without rotors, m, body axes, from the body's origin, (3,)
+    held_body : the point that is held, in the same units and axes; the origin if the body is free
+    whole_body : com of the body with rotors, in the same units and axes
     """
 
     body_from_axes: Rotation
@@ -100,23 +101,23 @@ class RecordFrame:
 
     @cached_property
     def _axes_after(self) -> FloatArray:
-        """The matrix M, (4, 4), with q M the record's attitude of a body's attitude q, w x y z."""
+        """The matrix M, (4, 4): q M is the attitude of the record's axes if q is the body's."""
         return times(self.body_from_axes.as_quat(scalar_first=True))
 
     @cached_property
     def _lag_body(self) -> FloatArray:
-        """Vector to the com without rotors from the com with them, m, body axes, (3,)."""
+        """The vector from the com with rotors to the com without them, m, body axes, (3,)."""
         return self.com_body - self.whole_body
 
     def motion(self, state: State) -> dict[str, list[float]]:
-        """Return a state by a record's keys: `q`, `omega`, `com`, `velocity` and any `spins`.
+        """Return a state as entries of a record: `q`, `omega`, `com`, `velocity`, any `spins`.
 
-        `q` is the attitude of the record's axes, and vectors are along world axes. Com and velocity
-        are those of the body without rotors.
+        `q` is the attitude of the record's axes, w x y z, and vectors are along world axes. Com and
+        velocity are those of the body without rotors.
         """
         q_world_body = np.asarray(state.q_world_body_wxyz, dtype=float)
         omega_body = np.asarray(state.omega_body, dtype=float)
-        # An engine's own quaternions may be off from unit length.
+        # An engine's own quaternions may not be of unit length.
         q_world_body = q_world_body / np.sqrt(q_world_body @ q_world_body)
         R_world_body = matrix(q_world_body)
         com_world, velocity_world = state.com_world, state.velocity_world
@@ -133,11 +134,12 @@ class RecordFrame:
         return motion | ({"spins": _numbers(state.spins)} if state.spins.size else {})
 
     def states(self, rows: FloatArray) -> State:
-        """Return n states of the scene, given as rows of a record's numbers; it inverts `motion`.
+        """Return n states of the scene, given by a record's numbers: the inverse of `motion`.
 
         Parameters
         ----------
-        rows : `q`, `omega`, `com`, `velocity` and `spins`, as in a record, (n, 13 + rotors)
+        rows : `q`, `omega`, `com`, `velocity` and `spins` in this order, a state in each row,
+            (n, 13 + rotors)
         """
         q_world_axes, omega_world, com_world, velocity_world, spins = np.split(
             rows, (4, 7, 10, 13), axis=1
@@ -153,15 +155,16 @@ class RecordFrame:
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
     def body(self, body: WorldBody) -> BodyReading:
-        """Return an engine's body, with its rotors, in the axes and from the origin of the scene's.
+        """Return an engine's body, with its rotors, in the axes and origin of the scene's body.
 
-        Rotors count as fixed parts of it, as in `BodyReading`.
+        In mass, com and tensor the rotors count as fixed parts of the body.
         """
         alone = BodyReading(float(body.mass), np.array(body.com), np.array(body.inertia_com))
         rotors = [BodyReading(one.mass, one.com, one.inertia_com) for one in body.rotors]
         reading = with_rotors([alone, *rotors], [one.axis for one in body.rotors])
         R_body_axes, arm = self.body_from_axes.as_matrix(), body.arm
-        # The arm is where the scene's body is held; a free body has the scene's origin.
+        # Place of the engine's origin: where the held points coincide, or for a free body at the
+        # record's origin.
         at = self.com_body if arm is None else self.held_body - R_body_axes @ np.array(arm)
         return reading.placed(at, R_body_axes)
 
@@ -169,12 +172,14 @@ class RecordFrame:
 def with_rotors(
     parts: Sequence[BodyReading], axes: Sequence[FloatArray] | FloatArray
 ) -> BodyReading:
-    """Return several bodies, joined rigidly, as one body; the last of them are its rotors.
+    """Return a body and its rotors, joined rigidly, as one body with the rotors' axial moments.
 
     Parameters
     ----------
-    parts : the bodies, the rotors last, all in the same axes and from the same origin
-    axes : of each rotor the axis that it turns about, a unit vector, or zeros if it is locked, (3,)
+    parts : the body, or several that form it, then the rotors; all in the same axes and from the
+        same origin
+    axes : the axis that each rotor turns about, a unit vector, or zeros if it is locked,
+        (rotors, 3)
     """
     if len(parts) == 1:
         return parts[0]
@@ -186,10 +191,10 @@ def with_rotors(
 
 
 def scene_record(scenario: Scenario) -> dict[str, Any]:
-    """Return a scene's record: the keys of `ABOUT` with numbers and lists of numbers.
+    """Return a scene's record, with the keys of `ABOUT`, which says what their values mean.
 
-    `arm` is None if the body is free. `slides` and `height` are there if it is on a table, `rotors`
-    and `spins` if it has rotors.
+    `arm` is None if the body is free. `slides` and `height` are there only for a body on a table,
+    `rotors` and `spins` only for one with rotors.
     """
     body, frame, constraint = scenario.carrier, RecordFrame.of(scenario), scenario.constraint
     to_axes = frame.body_from_axes.inv()
@@ -213,7 +218,7 @@ def scene_record(scenario: Scenario) -> dict[str, Any]:
 
 
 def _rotor(rotor: Rotor, frame: RecordFrame) -> dict[str, Any]:
-    """Return a rotor's entry in a record, along the principal axes."""
+    """Return a rotor's entry in a record; vectors are along the record's axes, from its origin."""
     to_axes = frame.body_from_axes.inv()
     axis, place = np.array(rotor.axis, dtype=float), rotor.body.com - frame.com_body
     return {

@@ -15,19 +15,19 @@ from .interface import Adapted
 class Session(Adapted, ABC):
     """A scene loaded in an engine: set to its start, ready to step.
 
-    `read_state` and `check` are enough for most engines. If reading takes as long as stepping, an
-    adapter can return raw readings (`snapshot`), convert many of them to states at once (`states`),
-    and implement its own `record`.
+    Most adapters implement the abstract methods alone. If reading a state takes as long as a step,
+    an adapter can override `snapshot` to return raw readings, `states` to convert many of them at
+    once, and `record`.
 
     Raises
     ------
     EngineError
-        From any method, when the engine reports trouble of its own.
+        From any method, if the engine reports trouble.
     """
 
     @abstractmethod
     def read_body(self) -> BodyReading:
-        """Return mass, com and tensor of inertia of the body as the engine holds them."""
+        """Return the body as the engine holds it: mass, com, tensor of inertia, and rotors."""
 
     @abstractmethod
     def read_state(self) -> State:
@@ -35,12 +35,12 @@ class Session(Adapted, ABC):
 
     @abstractmethod
     def advance(self, steps: int) -> None:
-        """Take `steps` whole steps in the engine, and do nothing else: this call is timed."""
+        """Take `steps` whole steps in the engine, and do nothing else, since the call is timed."""
 
     def timed(self, steps: int) -> tuple[float, float]:
         """Take `steps` whole steps; return the CPU time and the wall time that they took, s.
 
-        An engine in another process measures both times in that process.
+        An adapter whose engine runs in another process measures the times there.
         """
         wall, cpu = time.perf_counter(), time.process_time()
         self.advance(steps)
@@ -53,21 +53,22 @@ class Session(Adapted, ABC):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart gives the same bits as opening the scene in that state.
+        """Whether a restart at a state gives the same bits as opening the scene in that state.
 
-        Otherwise both differ by rounding, as the engine's coordinates are not those of `State`.
+        If not, the two differ by rounding, because the engine's coordinates are not those of
+        `State`.
         """
         return True
 
     def restart(self, state: State, timestep: float | None = None) -> None:
         """Set the body to a state as if the scene had been opened in it, without loading it again.
 
-        Nothing of earlier steps may be left: clocks, warm starts, warnings. A body in reduced
-        coordinates hangs by its pivot whatever `com_world` and `velocity_world` are.
+        Nothing of earlier steps may be left: clocks, warm starts, warnings. An engine in reduced
+        coordinates ignores `com_world` and `velocity_world` of a body on a pivot.
 
         Parameters
         ----------
-        timestep : of the steps from now on, s; unchanged if None
+        timestep : length of the steps from now on, s; unchanged if None
         """
         raise NotImplementedError(f"{type(self).__name__} cannot be restarted.")
 
@@ -80,8 +81,8 @@ class Session(Adapted, ABC):
         """Return what acts on the body, read back from the engine after the run.
 
         These are names out of `scenarios.EFFECTS`, and descriptions of anything else that is
-        switched on. A mechanism that implements an effect (a constraint as the pivot) counts as
-        that effect.
+        switched on. A mechanism that implements an effect, such as a constraint that is the pivot,
+        is reported under the effect's name.
         """
 
     @abstractmethod
@@ -89,19 +90,19 @@ class Session(Adapted, ABC):
         """Free the engine's memory."""
 
     def snapshot(self) -> Any:
-        """Return the present state in any format of the adapter's, which `states` converts.
+        """Return the present state in a format of the adapter's own, which `states` converts.
 
-        It raises `EngineError` for trouble that the engine has reported so far.
+        It raises `EngineError` if `check` does.
         """
         self.check()
         return self.read_state()
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:
-        """Take steps and keep a snapshot, repeatedly: this is the whole run.
+        """Take steps and then a snapshot, again and again; pass each snapshot to `keep`.
 
         Parameters
         ----------
-        strides : number of steps before each snapshot, 0 or more
+        strides : number of steps to take before each snapshot, 0 or more
         keep : called with each snapshot
         """
         for steps in strides:
@@ -116,15 +117,21 @@ class Session(Adapted, ABC):
     def first_fault(self, snapshots: Sequence[Any], states: State) -> Fault | None:  # noqa: ARG002
         """Return the first fault in n snapshots, with the snapshot's index; None if there is none.
 
-        A fault here is trouble that `check` would have raised at the snapshot, in an adapter whose
-        `snapshot` does not call `check`. `states` has the n states of the snapshots.
+        An adapter whose `snapshot` does not call `check` overrides this method, to find the trouble
+        that `check` would have raised at a snapshot.
+
+        Parameters
+        ----------
+        snapshots : the n snapshots
+        states : the n states that they were converted to
         """
         return None
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the engine's own derivatives by attitude and ω at the present state, by name.
+        """Return the derivatives that the engine itself computes at the present state, by name.
 
-        Since version 2 of the interface. Empty for an engine that computes none.
+        They are by attitude and ω. Since version 2 of the interface. The mapping is empty if the
+        engine computes none.
         """
         return {}
 

@@ -1,9 +1,9 @@
 """Starts every process that spincheck starts, and makes sure that none is left behind.
 
-Each process is in a process group of its own. One small process for each parent, the `guard`, kills
-the groups if the parent is gone without having ended them, as after `kill -9`: a busy engine does
-not notice that its parent has died. A worker that starts an engine has a guard of its own, so that
-the engine ends with it.
+Each process is in a process group of its own. Each parent has a small second child, the `guard`,
+which kills the groups if the parent is gone without having ended them, as after `kill -9`: a busy
+engine does not notice that its parent has died. A worker process that starts an engine has a guard
+of its own, so that the engine ends with the worker.
 """
 
 import atexit
@@ -18,9 +18,9 @@ from typing import Any
 
 from . import guard
 
-#: Options of Python by which neither the current folder nor the environment adds modules.
+#: Option of Python with which neither the current folder nor environment variables add modules.
 ISOLATED = "-I"
-#: Time that a guard has to end, s.
+#: Time that a guard may take to end, s.
 END_LIMIT = 1.0
 _GROUPED: dict[str, Any] = (
     {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
@@ -31,9 +31,9 @@ _KILL = getattr(signal, "SIGKILL", signal.SIGTERM)
 
 
 def start(command: Sequence[str], **options: Any) -> "subprocess.Popen[Any]":
-    """Start a process as `subprocess.Popen` does, in a process group of its own.
+    """Start a process as `subprocess.Popen` does, in a process group of its own, and return it.
 
-    `kill` must be called for it, even when the process has ended.
+    The caller must pass it to `kill` in the end, even if the process has ended by itself.
 
     Raises
     ------
@@ -66,17 +66,23 @@ def _kill_group(group: int) -> None:
 
 
 def run(command: Sequence[str], limit: float, **options: Any) -> "subprocess.CompletedProcess[str]":
-    """Run a command to its end, without standard input; return its exit code and what it printed.
+    """Run a command to its end; return its exit code and what it printed.
 
-    `options` are those of `subprocess.Popen`, and replace the defaults: output is captured as text.
     Processes that the command has left behind are killed.
+
+    Parameters
+    ----------
+    command : the program and its arguments
+    limit : time that the command may take, s
+    options : those of `subprocess.Popen`; by default there is no standard input, and output is
+        captured as text
 
     Raises
     ------
     OSError
-        If it cannot be started.
+        If the command cannot be started.
     subprocess.TimeoutExpired
-        If it takes longer than `limit`, s.
+        If the command takes longer than `limit`.
     """
     pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
     pipes |= {"stdin": subprocess.DEVNULL, "text": True, "errors": "replace"} | options
@@ -97,14 +103,14 @@ class _Guard:
         self._telling = threading.Lock()
 
     def begin(self) -> None:
-        """Start the guard, unless it runs already, before any process that it is to guard."""
+        """Start the guard if there is none; call it before starting a process to be guarded."""
         with self._telling:
             self._started()
 
     def tell(self, group: int) -> None:
-        """Tell the guard which process group to guard from now on.
+        """Tell the guard to guard the process group with id `group` from now on.
 
-        A negative number −g says that group g has ended and is no longer to be guarded.
+        If `group` is −g, group g has ended and is no longer to be guarded.
         """
         with self._telling:
             self._groups = self._groups | {group} if group > 0 else self._groups - {-group}
@@ -113,7 +119,7 @@ class _Guard:
             try:
                 self._write(self._started(), [group])
             except BrokenPipeError:
-                # The guard itself was killed.
+                # The guard itself was killed: start another and tell it all groups.
                 self.end()
                 self._write(self._started(), sorted(self._groups))
 
@@ -134,7 +140,7 @@ class _Guard:
             self._process = None
 
     def _started(self) -> "subprocess.Popen[bytes]":
-        """Return the guard's process, which is started unless there is one."""
+        """Return the guard's process; it is started first if there is none."""
         if self._process is None:
             self._process = subprocess.Popen(
                 [sys.executable, ISOLATED, "-S", guard.__file__],

@@ -1,4 +1,4 @@
-"""The folder for files that can be made again."""
+"""The folder in the user's cache, for files that can be made again."""
 
 import errno
 import os
@@ -11,13 +11,14 @@ from ..scenarios.regular_files import is_own
 def user_cache() -> Path:
     """Return the folder `spincheck` in the user's cache folder; it may not exist yet.
 
-    The user's cache is `$XDG_CACHE_HOME` if that is an absolute path (XDG Base Directory
-    Specification), or else `~/.cache`, and on macOS `~/Library/Caches`.
+    The user's cache folder is `$XDG_CACHE_HOME` if that is an absolute path (XDG Base Directory
+    Specification); else it is `~/.cache`, or on macOS `~/Library/Caches`.
 
     Raises
     ------
     PermissionError
-        If it is of another user or all may write to it (`is_own`), since files in it are executed.
+        If the folder belongs to another user, or all may write to it (`is_own`): files in it are
+        executed.
     """
     own = "Library/Caches" if sys.platform == "darwin" else ".cache"
     stated = Path(os.environ.get("XDG_CACHE_HOME", ""))

@@ -1,4 +1,4 @@
-"""An engine that opens scenes in another way than its adapter's `open`."""
+"""An engine whose scenes are opened by `open_with`, in place of its adapter's `open`."""
 
 from typing import Any, final
 
@@ -11,13 +11,13 @@ from .session import Session
 
 @final
 class VariedEngine(Engine):
-    """An engine that opens scenes by another engine's `open_with`, and else behaves as that engine.
+    """An engine like another one, except that it opens scenes by the other's `open_with`.
 
     Parameters
     ----------
     base : the other engine
-    way : name of the argument of `open_with` that is given
-    names : the names that are passed as this argument
+    way : name of the keyword argument that is passed to `open_with`
+    names : value of that argument
     """
 
     def __init__(self, base: Engine, way: str, names: tuple[str, ...]) -> None:
@@ -34,15 +34,15 @@ class VariedEngine(Engine):
 
     @property
     def site(self) -> str:
-        """The folder that a worker process imports the other engine from; see `Engine.site`."""
+        """The folder from which worker processes import modules first; see `Engine.site`."""
         return self.base.site
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Open the scene by `open_with` with the argument `way`."""
+        """Open the scene by `open_with` of the other engine; return the session."""
         return self.base.open_with(scenario, method, timestep, **self._way)
 
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """Return how body and start differ from the scene, as the other engine finds."""
+        """Return the quantities that differ from the scene, by the other engine's `differences`."""
         return self.base.differences(scenario, method, body, state)

@@ -1,4 +1,4 @@
-"""What engines on NVIDIA's Warp share: kernels in the user's cache, and no printing."""
+"""Functions that engines on NVIDIA's Warp share: its cache of kernels, its output, its device."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,9 +13,9 @@ from .user_cache import user_cache
 
 @contextmanager
 def kernels_kept() -> Iterator[None]:
-    """Keep the kernels that Warp compiles inside the block, and discard what it prints.
+    """Keep kernels that Warp compiles inside the block in the user's cache; discard all output.
 
-    Compiling takes minutes; later processes load the kernels from the user's cache.
+    Compiling takes minutes; later processes load the kernels from the cache.
     """
     with silent():
         import warp
@@ -25,7 +25,7 @@ def kernels_kept() -> Iterator[None]:
 
 
 def use_warp_device(world: str, name: str) -> None:
-    """Make a stand-alone module step on a device of Warp's; it uses the CPU by default.
+    """Make a stand-alone module step on a given device of Warp, in place of the CPU.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def use_warp_device(world: str, name: str) -> None:
 
 
 def warp_device() -> str:
-    """Return the device that Warp steps on, for a batch: "CPU", or name and alias of a GPU."""
+    """Return the device that Warp steps on, as `Batch.device`: "CPU", or a GPU's name and alias."""
     warp: Any = import_module("warp")
     device = warp.get_device()
     return "CPU" if device.is_cpu else f"{device.name} ({device.alias})"

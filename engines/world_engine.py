@@ -12,14 +12,14 @@ from .world_session import WorldSession, world_script
 
 
 class WorldEngine(Engine):
-    """An engine that opens scenes in worlds of a module `world.py` beside the adapter.
+    """An engine whose scenes are simulated by a stand-alone module `world.py` beside the adapter.
 
-    The same module is the core of its scripts. The engine's name is that of its distribution.
+    The engine's scripts contain that module. The engine's name is that of its distribution.
 
     Attributes
     ----------
-    session : class of the session that reads a world
-    reader : how the engine reads users' model files; None if it does not
+    session : the class of the engine's sessions
+    reader : how the engine reads users' model files; None if it reads none
     """
 
     interface = 2
@@ -32,11 +32,11 @@ class WorldEngine(Engine):
         return version(self.name)
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Return a session of a world with the body, held where the scene says."""
+        """Return a session of a new world with the scene's body at its start."""
         module = type(self).__module__.rpartition(".")[0]
         return self.session(f"{module}.world", scenario, method.name, timestep)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """Return a Python script of the run, made of the module `world.py`."""
+        """Return a Python script of the run, which contains the module `world.py`."""
         world = Path(inspect.getfile(type(self))).with_name("world.py")
         return world_script(world, scenario, method.name)

@@ -1,4 +1,4 @@
-"""Functions that adapters' stand-alone modules share and that are written out with them.
+"""Functions that the stand-alone modules of adapters share; scripts contain them as well.
 
 They need numpy alone.
 """
@@ -10,15 +10,15 @@ import numpy as np
 from ..scenarios.effects.push import is_pushed as is_pushed
 from ..scenarios.effects.push import push as push
 
-#: Inertia of the drive that keeps a rotor's spin, in moments of the rotor: the spin then changes by
-#: an ulp of the change of ω.
+#: Inertia of the drive that keeps a rotor's spin, in units of the rotor's moment about its axis:
+#: whatever ω changes by, the spin changes only by a few ulp of that.
 DRIVE = 2.0**50
 
 
 def drive(rotor: Any) -> float:
     """Return the inertia of a hinge's drive, kg m²; 0 if the hinge is not driven.
 
-    It is so large that the rotor's spin does not change.
+    It is so large that the rotor's spin stays constant.
     """
     return DRIVE * float(rotor["inertia"][1]) if rotor["hinge"] == "driven" else 0.0
 
@@ -31,7 +31,7 @@ def rotor_tensor(rotor: Any) -> Any:
 
 
 def matrix(q: Any) -> Any:
-    """Rotation matrix of a quaternion w x y z, (3, 3)."""
+    """Return the rotation matrix, (3, 3), of a quaternion w x y z of any norm."""
     w, x, y, z = q
     n = w * w + x * x + y * y + z * z
     return np.eye(3) + 2 / n * np.array(
@@ -44,7 +44,7 @@ def matrix(q: Any) -> Any:
 
 
 def quaternion(R: Any) -> Any:
-    """Quaternion w x y z of a rotation matrix, (4,) (Shepperd, J. Guidance 1 (1978) 223)."""
+    """Return the quaternion w x y z of a rotation matrix (Shepperd, J. Guidance 1 (1978) 223)."""
     squares = (1 + np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) @ np.diag(R)) / 4
     k = int(np.argmax(squares))
     products = np.array(
@@ -61,7 +61,7 @@ def quaternion(R: Any) -> Any:
 
 
 def rotation_vector(q: Any) -> Any:
-    """Axis times angle, rad, of a quaternion w x y z, (3,)."""
+    """Return the rotation vector, axis times angle, rad, (3,), of a unit quaternion w x y z."""
     w, vector = q[0], np.array(q[1:])
     sine = np.linalg.norm(vector)
     return vector * (2 * np.arctan2(sine, abs(w)) / sine * np.copysign(1, w) if sine else 0.0)

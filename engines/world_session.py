@@ -1,4 +1,4 @@
-"""A scene in a world of an adapter's stand-alone module, which `reproduce` writes out whole."""
+"""A scene in a world of an adapter's stand-alone module, which scripts contain whole."""
 
 import ast
 import inspect
@@ -19,7 +19,7 @@ from .world_parts import matrix
 
 #: Effects whose torques act on a body at rest.
 TORQUES = frozenset({"torque_body", "torque_world"})
-#: Relative rounding error of a torque that was rotated twice.
+#: Bound on the relative rounding error of a torque that was rotated twice.
 SLACK = 16 * float(np.finfo(float).eps)
 #: Path of the module with the functions that worlds share.
 PARTS = Path(__file__).with_name("world_parts.py")
@@ -31,15 +31,17 @@ _RELATIVE_IMPORT = re.compile(r"^from \.[\w.]* import .+\n", re.MULTILINE)
 
 
 class WorldSession(Session):
-    """A session of one body in a world; adapters add how the body is read, and what acts on it.
+    """A session of one body in a world; adapters implement `world_body` and `active`.
 
     Parameters
     ----------
-    module : the name of the adapter's stand-alone module, which imports the engine. Its class
-        `World(scene, method, timestep)` takes the scene as a record, and has `advance(steps)`,
-        `restart(motion, timestep)`, whose motion has the keys of a record, and `motion()`, which
-        returns `q`, `omega`, `com`, `velocity` and `spins` of a record as one array, (13 + rotors,)
+    module : name of the adapter's stand-alone module, which imports the engine. It defines a class
+        `World(scene, method, timestep)`, which takes the scene as a record. Its method
+        `advance(steps)` steps; `restart(motion, timestep)` sets a motion, which has the keys of a
+        record; and `motion()` returns `q`, `omega`, `com`, `velocity` and `spins` of a record as
+        one array, (13 + rotors,)
     method : name of the method
+    timestep : length of the steps, s
     """
 
     def __init__(self, module: str, scenario: Scenario, method: str, timestep: float) -> None:
@@ -50,7 +52,7 @@ class WorldSession(Session):
 
     @abstractmethod
     def world_body(self) -> WorldBody:
-        """Return the body as the engine holds it, along the axes of the record."""
+        """Return the body as the engine holds it, with vectors along the axes of the record."""
 
     @property
     def can_restart(self) -> bool:
@@ -58,40 +60,45 @@ class WorldSession(Session):
         return True
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state; see `Session.restart`."""
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`)."""
         self.timestep = self.timestep if timestep is None else timestep
         self.world.restart(self.frame.motion(state), self.timestep)
 
     def damped_by(self, damping: Sequence[float]) -> dict[str, bool]:
-        """Return a name for a joint's damping, and whether it acts.
+        """Return one entry: a name for a joint's damping, and whether any damping acts.
 
-        The name is "drag" if the damping is the scene's drag, else words with the coefficients.
+        The name is "drag" if the damping is the scene's drag, else it states the coefficients.
 
         Parameters
         ----------
-        damping : the damping coefficients of the joint's coordinates, rotations first, N m s; any
-            further ones, of translations, are zero in a scene
+        damping : the damping coefficients of the joint's coordinates, N m s: three of rotations,
+            then any of translations, which should be zero
         """
         wanted = [self.scene["drag"]] * 3 + [0.0] * (len(damping) - 3)
         name = "drag" if list(damping) == wanted else f"a joint damping of {damping} N m s"
         return {name: any(damping)}
 
     def gravity_by(self, vector: FloatArray) -> dict[str, bool]:
-        """Return a name for a world's gravity, m/s², and whether it acts.
+        """Return one entry: a name for a world's gravity, and whether it acts.
 
-        The name is "gravity" if it is the scene's gravity, else words with the vector.
+        The name is "gravity" if the gravity is that of the scene, else it states the vector.
+
+        Parameters
+        ----------
+        vector : the gravity that the engine applies, m/s², world axes, (3,)
         """
         right = np.array_equal(vector, self.scenario.gravity_world)
         return {"gravity" if right else f"a gravity of {vector.tolist()} m/s²": bool(vector.any())}
 
     def pushed_by(self, torque: FloatArray) -> dict[str, bool]:
-        """Return names for a torque on the body at rest at its present attitude: whether each acts.
+        """Return, by name, which torques act on the body at its present attitude.
 
-        The names are those of the scene's torques, and one for a torque that differs from them.
+        The scene's torques all act if the engine applies any torque. If this is not their sum, a
+        further name, which states it, acts as well.
 
         Parameters
         ----------
-        torque : the torque that the engine applies, N m, world axes, (3,)
+        torque : the torque that the engine would apply to the body at rest, N m, world axes, (3,)
         """
         wanted = push(self.scene, matrix(self.world.motion()[:4]), np.zeros(3))
         pushes = np.linalg.norm(torque - wanted) <= SLACK * np.linalg.norm(wanted)
@@ -99,7 +106,7 @@ class WorldSession(Session):
         return acting | {f"a torque of {torque.tolist()} N m": not bool(pushes)}
 
     def read_body(self) -> BodyReading:
-        """Return the body in the scene's axes."""
+        """Return the body as the engine holds it, in the axes and origin of the scene's body."""
         return self.frame.body(self.world_body())
 
     def read_state(self) -> State:
@@ -107,10 +114,10 @@ class WorldSession(Session):
         return self.states([self.snapshot()]).rows(0)
 
     def snapshot(self) -> Sequence[float]:
-        """Return `q`, `omega`, `com`, `velocity` and `spins` of a record, (13 + rotors,).
+        """Return the state as `q`, `omega`, `com`, `velocity` and `spins`, (13 + rotors,).
 
-        `q` is the attitude of the record's axes; the vectors are in world axes (`ABOUT` in
-        `scene_record.py`). `EngineError` is raised if the engine reports trouble, or if a number is
+        They are those of a scene record: `q` is the attitude of the record's axes, and vectors are
+        along world axes. `EngineError` is raised if the engine reports trouble, or if a number is
         not finite.
         """
         self.check()
@@ -128,7 +135,7 @@ class WorldSession(Session):
         self.world.advance(steps)
 
     def check(self) -> None:
-        """Do nothing: `snapshot` raises if a number is not finite."""
+        """Do nothing: only a state that is not finite is trouble, for which `snapshot` raises."""
 
     def close(self) -> None:
         """Drop the world."""
@@ -140,9 +147,10 @@ class WorldBatch(Batch):
 
     Parameters
     ----------
-    worlds : the module's object, with `advance(steps)` and `motions(places)`, which returns the
-        motions of the worlds at some indices, each as `World.motion` gives it
-    device : the device that steps them: the CPU, or the name of a GPU
+    worlds : an object of the module that holds the worlds. Its method `advance(steps)` steps all of
+        them; `motions(places)` returns motions of the worlds whose indices are in `places`, in the
+        format of `World.motion`
+    device : name of the device that steps the worlds: "CPU", or the name of a GPU
     """
 
     def __init__(self, worlds: Any, device: str = Batch.device) -> None:
@@ -167,8 +175,13 @@ class RecordBatch(WorldBatch):
 
     Parameters
     ----------
-    module : the module's name. Its class `World(scene, method, timestep, others)` takes the records
-        of all scenes, and its `restart` takes a list of as many motions
+    module : the module's name. Its class `World(scene, method, timestep, others)` takes the record
+        of the first scene, and the records of the others as a list; its method `restart` takes a
+        list with a motion for each scene
+    scenarios : the scene of each world
+    method : name of the method
+    timestep : length of the steps, s
+    device : name of the device that steps the worlds: "CPU", or the name of a GPU
     """
 
     def __init__(
@@ -187,7 +200,7 @@ class RecordBatch(WorldBatch):
         super().__init__(import_module(module).World(first, method, timestep, others), device)
 
     def restart(self, states: State, timestep: float) -> None:
-        """Set each world to a state; see `Batch.restart`."""
+        """Set each world to its row of `states`, and the timestep, s (`Batch.restart`)."""
         motions = [frame.motion(states.rows(k)) for k, frame in enumerate(self._frames)]
         self._worlds.restart(motions, timestep)
 
@@ -198,6 +211,7 @@ def world_script(path: Path, scenario: Scenario, method: str) -> str:
     Parameters
     ----------
     path : file of the stand-alone module, which defines `World`
+    method : name of the method
     """
     record = scene_record(scenario)
     entries = "\n".join(f'    "{key}": {record[key]!r},  # {ABOUT[key]}' for key in record)

@@ -12,10 +12,10 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[froze
 
     Returns
     -------
-    The effects that acted, as returned by `Session.active`, and words on how they differ from the
-    effects that the scene calls for. The words are empty if no effect differs, or if the run is not
-    ok. No effects are returned if the run failed or the session cannot be audited; the words say so
-    if a run that is ok cannot be audited.
+    What acted on the body, as returned by `Session.active`, and words on how this differs from the
+    effects that the scene calls for. The words are empty if there is no difference, or if the run
+    is not ok. If the run failed or the session cannot be audited, the set is empty; for a run that
+    is ok the words then say why it cannot be audited.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[froze
     except EngineError as error:
         if error.cause in ENVIRONMENTAL:
             raise
-        # After a blow-up the engine may not be usable any more.
+        # An engine that blew up may no longer be usable.
         return frozenset(), f"cannot be audited: {error}" if sampled.outcome == "ok" else ""
     return active, _difference(active, scenario.called_for) if sampled.outcome == "ok" else ""
 

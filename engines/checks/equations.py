@@ -1,4 +1,4 @@
-"""The equations of motion of a scene: scales of its states, and where its constraint can hold."""
+"""The equations of motion of a scene: their scales, and the states that its constraint allows."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,42 +13,42 @@ from .read_back import READ_BACK_SLACK, State
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """The coefficients of one scene's equations of motion, in SI units, and its constraint."""
+    """Coefficients of the equations of motion of one scene, in SI units, and its constraint."""
 
     scenario: Scenario
 
     @cached_property
     def inverse(self) -> FloatArray:
-        """Inverse of the tensor of inertia about the pivot, 1/(kg m²), body axes, (3, 3).
+        """The inverse of the tensor of inertia, 1/(kg m²), body axes, (3, 3).
 
-        It is about the com if the scene has no pivot.
+        The tensor is that about the pivot, or about the com if the scene has no pivot.
         """
         return np.asarray(np.linalg.inv(self.scenario.inertia), dtype=float)
 
     @cached_property
     def arm(self) -> float:
-        """Distance of the com from the constrained point, or from a free body's origin, m."""
+        """The distance of the com from the constrained point, or from a free body's origin, m."""
         return float(np.linalg.norm(self.scenario.constraint.lever))
 
     @cached_property
     def reach(self) -> float:
-        """Scale of the com's position, m: its arm, or the radius of gyration if the arm is zero.
+        """The scale of the com's position, m: `arm`, or the radius of gyration if the arm is zero.
 
-        An arm that is within the tolerance of a body's read-back counts as zero.
+        An arm within the tolerance of the read-back counts as zero.
         """
         body = self.scenario.body
         gyration = float(np.sqrt(body.principal_moments[-1] / body.mass))
         return self.arm if self.arm > READ_BACK_SLACK * gyration else gyration
 
     def kept_body(self, state: State) -> FloatArray:
-        """The sum of the rotors' constant momenta about their axles, body axes, kg m²/s.
+        """Return the sum of the rotors' constant momenta about their axles, kg m²/s, body axes.
 
-        It is of shape (3,) for one state, and (n, 3) for n states.
+        It is a vector, (3,), for one state, and (n, 3) for n states.
         """
         return self.scenario.kept_body(self.scenario.kept(state.omega_body, state.spins))
 
     def bears(self, states: State) -> NDArray[np.bool_]:
-        """Whether the constraint can exert the force that it needs, in each of n states, (n,).
+        """Return for each of n states whether the constraint can exert the force it needs, (n,).
 
         A table, for example, can push the body but not pull it.
         """
@@ -59,11 +59,11 @@ class Equations:
         return bears
 
     def bearable(self, states: State, others: State) -> State:
-        """Return n states, where each that the constraint cannot hold is replaced by another.
+        """Return n states in which the constraint can exert the force that it needs.
 
         Parameters
         ----------
-        states : n states
+        states : n states, returned as they are where `bears` is true
         others : n states; the k-th replaces the k-th of `states` where `bears` is false
         """
         bears = self.bears(states)[:, None]
@@ -71,9 +71,9 @@ class Equations:
         return State(*(np.where(bears, column, other) for column, other in pairs))
 
     def on_constraint(self, states: State) -> State:
-        """Return n states with com and velocity replaced by those that the constraint demands.
+        """Return n states moved onto the constraint: with the com and the velocity that it demands.
 
-        Attitude and ω stay as they are.
+        Attitude and ω stay as they are; so do com and velocity along axes that are not held.
         """
         constraint, R_world_body = self.scenario.constraint, matrices(states.q_world_body_wxyz)
         swing_world = turned(R_world_body, cross(states.omega_body, np.array(constraint.lever)))

@@ -18,8 +18,8 @@ class Bounds:
 
     Attributes
     ----------
-    timestep : s
-    most_turn : the rotation in a step, rad, beyond which the engine clamps it
+    timestep : length of a step, s
+    most_turn : the largest rotation in a step, rad, that the engine does not clamp
     arm : vector from the pivot to the com, m, body axes, (3,); None if there is no pivot
     """
 
@@ -31,10 +31,10 @@ class Bounds:
 def faults(states: State, bounds: Bounds) -> Iterator[Fault]:
     """Yield the first fault of each kind in n states, with the index of the state.
 
-    The kinds are "not-finite", "not-unit", "clamp" and "pivot".
+    The kinds are the causes "not-finite", "not-unit", "clamp" and "pivot".
     """
     timestep = bounds.timestep
-    # The sum is not finite if any component is not, and takes much less time than a search.
+    # A quick test first: the sum is not finite if any component is not.
     if not np.isfinite(sum(float(column.sum()) for column in states.columns)):
         finite = np.hstack([np.isfinite(column) for column in states.columns])
         if not finite.all():
@@ -56,13 +56,13 @@ def faults(states: State, bounds: Bounds) -> Iterator[Fault]:
 
 
 def clamped_turn(speed: float, timestep: float, most: float) -> str:
-    """Return a message if the body turns further in a step than the engine allows; else empty.
+    """Return a message if a body turns further in a step than the engine allows; else empty.
 
     Parameters
     ----------
-    speed : |ω|, rad/s
-    timestep : s
-    most : the largest rotation in a step, rad
+    speed : the body's angular speed, rad/s
+    timestep : length of a step, s
+    most : the largest rotation in a step, rad, that the engine does not clamp
     """
     if speed * timestep <= most:
         return ""
@@ -73,11 +73,10 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
 
 
 def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
-    """Yield a fault for the first state whose pivot is too far from the world's origin.
+    """Yield a fault for the first state in which the body's pivot has left the world's origin.
 
-    The pivot should be at the origin. It is too far if its distance from the origin is larger than
-    its distance from the com. `arm_body` is the vector from the pivot to the com, m, body axes,
-    (3,).
+    It has left if it is further from the origin than from the com. `arm_body` is the vector from
+    the pivot to the com, m, body axes, (3,).
     """
     drift = norms(states.com_world - matrices(states.q_world_body_wxyz) @ arm_body)
     has_given_way = drift > np.linalg.norm(arm_body)

@@ -11,24 +11,25 @@ from ...scenarios import FloatArray, Scenario
 from ...scenarios.rotation import conjugate, cross, matrix, norms, rotation_vectors
 from ..fault import Cause
 
-#: Relative tolerance of a model or state that is read back. Text with 17 digits and a few products
-#: of rotations lose some ulp; a dropped frame or a default value is far larger.
+#: Relative tolerance of a body or state that is read back. Text with 17 digits and a few products
+#: of rotations lose some ulp; an ignored frame or a default value makes a far larger difference.
 READ_BACK_SLACK = 1e-12
 #: The same for engines in single precision.
 READ_BACK_SLACK_SINGLE = 1e-5
-#: Share of the tolerance that applies to m arm², as an engine may hold the tensor about the origin:
-#: 4 of the 4 500 ulp that `READ_BACK_SLACK` is in double precision.
+#: Part of the relative tolerance that is also allowed of m |com|², when tensors are compared: an
+#: engine may hold the tensor about the body's origin, where m |com|² is added, and rounds it there.
+#: It is 4 of the 4 500 ulp that `READ_BACK_SLACK` is in double precision.
 OF_ORIGIN = 2.0**-10
 
 
 class EngineError(Exception):
-    """The engine warned, reset or clamped the state, or read back another body or start.
+    """An engine failed, refused a scene, warned, or reset or clamped the state.
 
     Parameters
     ----------
     reason : what happened, in a sentence
-    cause : the cause in one word, of `Cause`; empty if neither the engine nor its adapter knows it.
-        A word that is not in `Cause` is replaced by the empty one
+    cause : the cause, one of the words of `Cause`; empty if neither the engine nor its adapter
+        knows it. Any other word is replaced by the empty one
     """
 
     def __init__(self, reason: str, cause: Cause = "") -> None:
@@ -43,7 +44,8 @@ class UnsupportedError(EngineError):
 
     Parameters
     ----------
-    reason, cause : as for `EngineError`; by default the cause is the scene's body
+    reason : what is not supported, in a sentence
+    cause : the cause, one of the words of `Cause`; by default the scene's body
     """
 
     def __init__(self, reason: str, cause: Cause = "body") -> None:
@@ -52,15 +54,15 @@ class UnsupportedError(EngineError):
 
 @dataclass(frozen=True, eq=False)
 class BodyReading:
-    """A body as read back from the engine, in body axes.
+    """A body as read back from the engine, in the scene's body axes.
 
     Attributes
     ----------
     mass : mass of the body with its rotors, kg
     com : position of the com from the body's origin, m, (3,)
     inertia_com : tensor of inertia about the com, with rotors as fixed parts, kg m², (3, 3)
-    axial : of each rotor, its axis times its moment about it, kg m², (rotors, 3): the derivative of
-        the angular momentum by the spin
+    axial : axis of each rotor, a unit vector, times the rotor's moment of inertia about it, kg m²,
+        (rotors, 3): the derivative of the angular momentum by the spin
     """
 
     mass: float
@@ -73,8 +75,9 @@ class BodyReading:
 
         Parameters
         ----------
-        at : position of the body's origin in the other frame, m, (3,)
-        R : the matrix from the body's axes to those of the other frame, (3, 3)
+        at : position of the present origin in the other frame, m, (3,)
+        R : the matrix that takes components along the present axes to components along the axes of
+            the other frame, (3, 3)
         """
         return BodyReading(
             self.mass, at + R @ self.com, R @ self.inertia_com @ R.T, self.axial @ R.T
@@ -84,8 +87,8 @@ class BodyReading:
 def composed(parts: Sequence[BodyReading]) -> BodyReading:
     """Return the rigid body that several bodies form together (parallel-axis theorem).
 
-    All are given in the same axes and from the same origin. The axial moments of their rotors are
-    not taken over.
+    All are given in the same axes and from the same origin. The axial moments of rotors are left
+    out.
     """
     mass = sum(part.mass for part in parts)
     com = sum((part.mass * part.com for part in parts), np.zeros(3)) / (mass or 1.0)
@@ -102,10 +105,11 @@ class State:
 
     Attributes
     ----------
-    q_world_body_wxyz : attitude, (4,) or (n, 4)
+    q_world_body_wxyz : attitude, a quaternion w x y z, body to world, (4,) or (n, 4)
     omega_body : ω, rad/s, body axes, (3,) or (n, 3)
-    com_world, velocity_world : position, m, and velocity, m/s, of the com, (3,) or (n, 3) each
-    spins : rates of the rotors relative to the body, rad/s, (rotors,) or (n, rotors)
+    com_world : position of the com, m, world axes, (3,) or (n, 3)
+    velocity_world : velocity of the com, m/s, world axes, (3,) or (n, 3)
+    spins : spins of the rotors, relative to the body, rad/s, (rotors,) or (n, rotors)
     """
 
     q_world_body_wxyz: FloatArray
@@ -115,7 +119,7 @@ class State:
     spins: FloatArray = field(default_factory=lambda: np.empty(0))
 
     def __post_init__(self) -> None:
-        # Lists for arrays are refused where the state is first received, with a better message.
+        # Lists in place of arrays pass here; `check_shapes` refuses them with a better message.
         shape = (*np.shape(self.omega_body)[:-1], 0)
         if not np.size(self.spins) and np.shape(self.spins) != shape:
             object.__setattr__(self, "spins", np.empty(shape))
@@ -149,7 +153,8 @@ class Difference:
     ----------
     what : name of the quantity
     wanted, got : the scene's value and the engine's value
-    relative : the largest difference of a component, relative to the size of the quantity
+    relative : the largest difference of a component, relative to the size of the quantity; for the
+        attitude, the angle between the two attitudes, rad
     why : the common mistake that explains the difference, in words; empty if none does
     """
 
@@ -176,16 +181,17 @@ class Difference:
 def differences(
     scenario: Scenario, reading: BodyReading, state: State, slack: float
 ) -> list[Difference]:
-    """Return the differences of a freshly loaded model and its state from the scene.
+    """Return the quantities of body and start that differ between the engine and the scene.
 
     Parameters
     ----------
-    reading, state : the body and the state, read back from the engine
-    slack : allowed difference, relative to the size of each quantity
+    reading, state : the body and the state, read back from the engine before the first step
+    slack : allowed difference, relative to the size of each quantity; of the attitude, rad
 
     Returns
     -------
-    The quantities that differ by more than `slack`; one that explains others comes first
+    The quantities that differ by more than `slack`; an attitude with a known mistake, which may
+    explain other differences, comes first
     """
     differing = []
     steiner = OF_ORIGIN * scenario.body.mass * float(scenario.body.com @ scenario.body.com)
@@ -200,15 +206,15 @@ def differences(
     if not angle <= slack:
         words = _mistake_of_attitude(wanted_q, got_q, slack)
         off = Difference("q_world_body_wxyz", wanted_q, got_q, angle, words)
-        # If the mistake is known, it also explains a difference of ω, so that it is named first.
+        # A known mistake of the attitude also explains a difference of ω: it is named first.
         differing.insert(0 if words else len(differing), off)
     return differing
 
 
 def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) -> str:
-    """Return in words the common mistake that turns one quaternion into another.
+    """Return, in words, the common mistake that turns the scene's quaternion into the engine's.
 
-    It is empty if none of the known mistakes does so.
+    The words are empty if no known mistake does so.
 
     Parameters
     ----------
@@ -231,7 +237,9 @@ def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) 
 
 
 def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
-    """Return words that say that ω was read along the wrong axes; empty if it was not.
+    """Return words that say that ω was read back along wrong axes; empty if it was not.
+
+    Its components are then those of the scene, rotated by the attitude or by its inverse.
 
     Parameters
     ----------
@@ -246,13 +254,16 @@ def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
 
 
 def stated_body(scenario: Scenario) -> BodyReading:
-    """Return the scene's body as an engine should hold it."""
+    """Return the scene's body, with its rotors, as an engine should hold it."""
     body = scenario.body
     return BodyReading(body.mass, body.com, body.inertia_com, scenario.rotors.axial_body)
 
 
 def start_state(scenario: Scenario) -> State:
-    """Return the scene's start as a state, with com and velocity as the constraint demands."""
+    """Return the scene's start as a state; com and velocity are those that the constraint demands.
+
+    Along axes that are not held, they are those that the scene states.
+    """
     start = scenario.start
     R_world_body, constraint = matrix(start.q_world_body_wxyz), scenario.constraint
     swing_world = R_world_body @ cross(start.omega_body, constraint.lever)
@@ -268,16 +279,16 @@ def start_state(scenario: Scenario) -> State:
 def _pairs(
     scenario: Scenario, reading: BodyReading, state: State
 ) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
-    """Yield each quantity that is read back, except the attitude.
+    """Yield each quantity that is read back, except the attitude, as four values.
 
-    It yields the quantity's name, the engine's value, the scene's value, and the size that the
+    They are the quantity's name, the engine's value, the scene's value, and the size that the
     tolerance is relative to.
     """
     body, start = scenario.body, start_state(scenario)
     arm = float(np.linalg.norm(body.com))
     speed = float(np.linalg.norm(start.omega_body))
-    # The size is not that of the tensor about the origin: a long arm makes that much larger, and
-    # would hide faults of the tensor about the com.
+    # The size of the tensor is that about the com: about an origin far from the com it is much
+    # larger, and faults of the tensor about the com would not exceed the tolerance.
     sizes = {"mass": body.mass, "com": arm, "inertia_com": float(body.principal_moments[-1])}
     for what, got, wanted in body_pairs(scenario, reading):
         yield what, got, wanted, sizes.get(what, float(np.linalg.norm(wanted)))
@@ -305,7 +316,7 @@ def body_pairs(
 
 
 def _rounded(values: FloatArray) -> str:
-    """Return an array as text, to three digits; entries of the size of round-off become zero."""
+    """Return an array as text, to three digits, with entries of the size of round-off as zero."""
     least = float(np.finfo(float).eps) * np.abs(values).max()
     shown = np.where(np.abs(values) > least, values, 0.0)
     written = np.array2string(shown, separator=", ", formatter={"float_kind": "{:.3g}".format})

@@ -1,23 +1,23 @@
-"""Checks that what an adapter returns has the shapes of a body, or of states."""
+"""Checks that a body or states that an adapter returns are of the right class and shapes."""
 
 import numpy as np
 
 from ...scenarios import printable
 from .read_back import BodyReading, EngineError, State
 
-#: Largest number of characters of a value that is quoted.
+#: Largest number of characters that a message quotes of a value.
 QUOTED = 60
 
 
 def check_shapes(returned: object, like: BodyReading | State, by: str, rows: int = 0) -> None:
-    """Raise `EngineError` if an adapter's body or state is none, or has arrays of other shapes.
+    """Raise `EngineError` if what an adapter returned is not of the class and shapes it must have.
 
     Parameters
     ----------
-    returned : what the adapter returned; anything, as others write adapters
-    like : a body, or one state, of the right shapes
-    by : class and method that returned it
-    rows : number of states that must have been returned; 0 for one state without rows
+    returned : what the adapter returned, which may be anything
+    like : a body, or one state, of the right class and shapes
+    by : name of the class and method that returned it, for the message
+    rows : number of rows that each array must have, one a state; 0 for one state without rows
     """
     wanted = type(like)
     if not isinstance(returned, wanted):

@@ -19,7 +19,7 @@ class ChildEngine(Engine):
     Parameters
     ----------
     command : the program and its arguments
-    hello : the engine's description of itself, which each of its processes must give alike
+    hello : the engine's description of itself, which must be the same from each of its processes
     limit : CPU time that an answer may take, s
     sources : files that the engine's results depend on; if None, the files named in the command
     script : returns a script in JavaScript, given a scene and a method; if None, the engine has no
@@ -46,21 +46,21 @@ class ChildEngine(Engine):
 
     @property
     def version(self) -> str:
-        """The engine's version, as its process reports it."""
+        """The engine's version, as its description states it."""
         return self.hello.version
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """Files that results depend on; runs are made anew when one changes."""
+        """The files that results depend on; runs are made anew when one changes."""
         if self._sources is not None:
             return tuple(self._sources)
         return tuple(path for path in map(Path, self.command) if path.is_file())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> ChildSession:
-        """Open the scene in an idle process of the engine if there is one, else in a new one.
+        """Open the scene in an idle process of the engine, or in a new one if none is idle.
 
-        If a process that has had scenes before refuses it, a new one is tried: scenes before it may
-        have left the engine without memory.
+        If a process that was used before refuses the scene, a new process is tried: earlier scenes
+        may have left the old one without memory.
         """
         try:
             child = taken(self.command, self._limit)
@@ -75,7 +75,7 @@ class ChildEngine(Engine):
     def _session(
         self, child: ChildProcess, scenario: Scenario, method: Method, timestep: float
     ) -> ChildSession:
-        """Open a scene in a process; keep or end the process if it refuses the scene."""
+        """Open a scene in a process; if that fails, give the process back (`given_back`)."""
         try:
             self._check(child)
             return ChildSession(child, scenario, method.name, timestep)
@@ -97,7 +97,7 @@ class ChildEngine(Engine):
 
 
 def child_engine(command: Sequence[str], limit: float = ANSWER_LIMIT) -> ChildEngine:
-    """Return the engine that a command starts, after asking it for its description of itself.
+    """Return the engine that a command starts; it is started and asked to describe itself.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def child_engine(command: Sequence[str], limit: float = ANSWER_LIMIT) -> ChildEn
     ProtocolError
         If the command cannot be started, or does not answer with a description.
     EngineError
-        If it answers with an error.
+        If the engine answers with an error.
     OSError
         If the system refuses to start a process.
     """

@@ -1,4 +1,7 @@
-"""The answers that a child may give: size, type and range (docs/reference/engine-protocol.md)."""
+"""The answers that a child process may give, and the checks of their sizes, types and ranges.
+
+docs/reference/engine-protocol.md describes the protocol.
+"""
 
 import json
 import math
@@ -14,18 +17,18 @@ from ...scenarios.rotation import matrix
 from ...scenarios.scales import LARGEST
 from ..interface import misfit
 
-#: Number of characters of an answer that a complaint quotes.
+#: Largest number of characters that a message quotes of an answer.
 QUOTED = 80
-#: Largest number of an engine's methods, and of names that it may list as active.
+#: Largest number of methods of an engine, and of names in its list of what acts on the body.
 MOST_NAMES = 32
 
 
-#: Versions of the protocol that a child may speak, as for the interface in Python.
+#: Newest and oldest version of the protocol that a child may speak.
 NEWEST = OLDEST = 1
 
 
 def _protocol(stated: int) -> int:
-    """Return a version of the protocol; raise ValueError if it cannot be spoken."""
+    """Return a version of the protocol; raise ValueError if it is not supported."""
     if reason := misfit("protocol", stated, OLDEST, NEWEST):
         raise ValueError(reason)
     return stated
@@ -79,7 +82,7 @@ class ChildAnswer(BaseModel):
 
 
 class ChildMethod(ChildAnswer):
-    """A method as the child describes it; `Method` documents the fields."""
+    """A method as the child describes it; `Method` documents the fields of the same names."""
 
     name: Name
     order: Order
@@ -92,13 +95,13 @@ class ChildMethod(ChildAnswer):
     as_shipped: bool = False
 
     def method(self) -> Method:
-        """Return the method as the program's own class."""
+        """Return the method as a `Method`."""
         sets = {"effects": frozenset(self.effects), "requires": frozenset(self.requires)}
         return Method(**self.model_dump(exclude_none=True) | sets)
 
 
 class Hello(ChildAnswer):
-    """The engine's description of itself; docs/reference/engine-protocol.md explains the keys."""
+    """An engine's description of itself; docs/reference/engine-protocol.md explains the keys."""
 
     protocol: Protocol
     name: Name
@@ -119,14 +122,14 @@ class Hello(ChildAnswer):
 
 
 class ChildRigid(ChildAnswer):
-    """A rigid body as the engine holds it, along the axes and from the origin of the engine's body.
+    """A rigid body as the engine holds it, in the axes and from the origin of the engine's body.
 
     Attributes
     ----------
-    mass : kg
-    com : m
-    moments : principal moments about the com, kg m²
-    frame : attitude of the principal axes in the axes of the engine's body, w x y z
+    mass : mass, kg
+    com : position of the com, m
+    moments : principal moments of inertia about the com, kg m²
+    frame : attitude of the principal axes, w x y z, relative to the axes of the engine's body
     """
 
     mass: Number
@@ -136,24 +139,24 @@ class ChildRigid(ChildAnswer):
 
     @property
     def inertia_com(self) -> FloatArray:
-        """Inertia tensor about the com, kg m², (3, 3)."""
+        """The tensor of inertia about the com, kg m², in the axes of the engine's body, (3, 3)."""
         axes = matrix(np.array(self.frame))
         return axes @ np.diag(self.moments) @ axes.T
 
 
 class ChildPart(ChildRigid):
-    """A part that turns in the body (a rotor), at the start.
+    """A rotor of the body, at the start.
 
     Attributes
     ----------
-    axis : the axis of its hinge, a unit vector along the body's axes; zeros if it is locked
+    axis : axis of the hinge, a unit vector in the axes of the engine's body; zeros if it is locked
     """
 
     axis: Vector
 
 
 class ChildBody(ChildRigid):
-    """The body without its rotors, and the rotors.
+    """A body without its rotors, and its rotors.
 
     Attributes
     ----------
@@ -167,13 +170,14 @@ class ChildBody(ChildRigid):
 
 
 class StateRow(ChildAnswer):
-    """A state of the body without its rotors, in world axes.
+    """A state of the body and its rotors, in world axes.
 
     Attributes
     ----------
-    q : attitude, w x y z, body to world
+    q : attitude of the axes of the scene record, w x y z, to world
     omega : angular velocity, rad/s
-    com, velocity : position, m, and velocity, m/s, of the com of the body without its rotors
+    com : position of the com of the body without its rotors, m
+    velocity : velocity of that com, m/s
     spins : angular velocities of the rotors about their axes, relative to the body, rad/s
     """
 
@@ -185,7 +189,7 @@ class StateRow(ChildAnswer):
 
 
 class Stepped(ChildAnswer):
-    """The state after steps, in the axes and units of `StateRow`.
+    """The state after some steps, with the keys, axes and units of `StateRow`.
 
     Numbers that are not finite, which JSON cannot write, are None.
     """
@@ -205,7 +209,7 @@ class Opened(ChildAnswer):
 
 
 class Seconds(ChildAnswer):
-    """The time that steps took, s, measured by the child around the steps only."""
+    """The time that some steps took, s; the child measures it around the steps only."""
 
     seconds: Positive
 
@@ -230,16 +234,16 @@ A = TypeVar("A", bound=ChildAnswer)
 
 
 class Misanswer(ValueError):
-    """An answer breaks the protocol; the message continues a sentence begun with "its answer"."""
+    """An answer breaks the protocol; the message completes a sentence "its answer …"."""
 
 
 def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
-    """Return the answer that a line holds: the one expected, or a refusal.
+    """Return the answer in a line: of the expected class, or a refusal.
 
     Parameters
     ----------
     line : the line, as received
-    number : `id` of the call, which the answer must repeat
+    number : number of the call, which the answer must repeat as its `id`
     expected : class of the answer to this call
 
     Raises
@@ -255,7 +259,7 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
     if not isinstance(answer, dict):
         raise Misanswer(f"is not a JSON object: {_quoted(line)}")
     its_id = answer.pop("id", None)
-    # In Python True equals 1.
+    # `True`, which equals 1 in Python, is not accepted as a number.
     if type(its_id) is not int or its_id != number:
         raise Misanswer(f"must have the call's 'id', {number}: {_quoted(line)}")
     kind: type[A] | type[Refusal] = Refusal if "error" in answer else expected
@@ -270,7 +274,7 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
 
 
 def _no_number(name: str) -> float:
-    """Raise `Misanswer` for a number that JSON lacks, by its name."""
+    """Raise `Misanswer` for a number that JSON does not have: `name` is NaN or an infinity."""
     raise Misanswer(f"holds {name}, which is not JSON; null says that a number is not finite")
 
 

@@ -1,7 +1,7 @@
-"""The child process: lines to its standard input, answers from a pipe of its own.
+"""A child process: it reads calls, a line each, from standard input, and answers in another pipe.
 
-Output that the engine prints does not interfere: standard output and error are read separately, and
-their end is quoted if the process dies.
+So output that the engine prints does not interfere: standard output and error are read from a pipe
+of their own, and the end of what was printed is quoted if the process dies.
 """
 
 import atexit
@@ -28,16 +28,16 @@ from .messages import ChildAnswer, Hello, Misanswer, Refusal, parse
 ANSWERS = "SPINCHECK_ANSWERS"
 #: CPU time that an answer may take, s; a few thousand steps take a fraction of a second.
 ANSWER_LIMIT = 60.0
-#: Time that a child has to end after its standard input is closed, s.
+#: Time that a child may take to end after its standard input is closed, s.
 END_LIMIT = 1.0
-#: Largest number of bytes of an answer; answers of the protocol have a few thousand.
+#: Largest number of bytes of an answer; regular answers have a few thousand.
 LONGEST_ANSWER = 1 << 20
-#: Number of bytes read at once, as many as a pipe holds (pipe(7), Linux).
+#: Largest number of bytes read at once: as many as a pipe holds (pipe(7), Linux).
 PIPE_SIZE = 1 << 16
-#: Number of bytes kept of the output that a child prints, counted from its end.
+#: Number of bytes that are kept of a child's output: the last ones.
 KEPT_OUTPUT = 4096
 
-#: Errors of the system if a command does not exist or cannot be run.
+#: Errors of the system that say that a command does not exist or cannot be run.
 NOT_A_PROGRAM = frozenset(
     {
         errno.ENOENT,
@@ -67,15 +67,15 @@ class ChildProcess:
 
     Attributes
     ----------
-    hello : the engine's description of itself; None before the process was asked for it
-    is_used : whether the process has had a scene before
+    hello : the engine's description of itself; None until the process has been asked for it
+    is_used : whether the process was used, and given back, before
 
     Raises
     ------
     ProtocolError
         If the command cannot be run.
     OSError
-        If the system refuses to start it.
+        If the system refuses to start a process.
     """
 
     def __init__(self, command: Sequence[str], limit: float) -> None:
@@ -132,7 +132,7 @@ class ChildProcess:
     def can_open(self) -> bool:
         """Whether the child may be given another scene.
 
-        It may not after an answer with an error: the engine may have no memory left, or be broken.
+        This is false after an answer with an error: the engine may be out of memory, or broken.
         """
         return self.usable and not self._has_refused
 
@@ -148,7 +148,7 @@ class ChildProcess:
         Raises
         ------
         EngineError
-            With the child's own message, if it answers with an error.
+            If the child answers with an error; the message is the child's.
         ProtocolError
             If the answer breaks the protocol, none comes in time, or the child has died. The child
             is then killed, and all further calls raise the same error.
@@ -163,7 +163,7 @@ class ChildProcess:
             raise
 
     def _ask(self, expected: type[A], do: str, arguments: dict[str, Any]) -> A:
-        """Send a call and return its answer, as `ask` does, without ending a broken child."""
+        """Do what `ask` does, but do not end a child that breaks the protocol."""
         self._number += 1
         call = json.dumps({"id": self._number, "do": do} | arguments, allow_nan=False)
         if self._received:
@@ -181,10 +181,10 @@ class ChildProcess:
         return answer
 
     def _line(self, do: str) -> bytes:
-        """Return the next line of the answers' pipe, for the call named `do`.
+        """Return the next line of the answers' pipe; `do` is the name of the call.
 
-        What the child prints meanwhile is read and kept, so that its output never blocks. It raises
-        `ProtocolError` if no line comes in time, or the child has died.
+        Output that the child prints meanwhile is read and kept, so that printing never blocks it.
+        `ProtocolError` is raised if no line comes in time, or the child has died.
         """
         self._request = do
         if overdue := wait_for_answer(self._has_answered, self._of_system, self._limit):
@@ -194,7 +194,9 @@ class ChildProcess:
         return line
 
     def _has_answered(self, seconds: float) -> bool:
-        """Whether a whole line arrives within some seconds; what the child prints is kept.
+        """Wait at most some seconds for an answer; return whether a whole line has arrived.
+
+        Output that the child prints meanwhile is read and kept.
 
         Raises
         ------
@@ -205,7 +207,7 @@ class ChildProcess:
         while b"\n" not in self._received:
             left = until - time.monotonic()
             if left < 0:
-                # A process that the child has started may hold its pipe open.
+                # The pipe of a dead child may still be open in a process that the child started.
                 if self._process.poll() is not None and not self._streams.select(0):
                     raise self._ended(self._request)
                 return False
@@ -214,11 +216,15 @@ class ChildProcess:
         return True
 
     def is_running(self) -> bool:
-        """Whether the child still runs; an idle child may have been killed from outside."""
+        """Return whether the child still runs; an idle one may have been killed from outside."""
         return self._process.poll() is None
 
     def _take(self, descriptor: int, do: str) -> None:
-        """Read what a pipe has; raise `ProtocolError` at its end, or if the answer is too long."""
+        """Read from the pipe with a given descriptor, that of answers or that of printed output.
+
+        `ProtocolError` is raised at the end of the answers' pipe, or if an answer is too long; `do`
+        is the name of the call.
+        """
         part = os.read(descriptor, PIPE_SIZE)
         if descriptor != self._answers:
             self._printed = (self._printed + part)[-KEPT_OUTPUT:]
@@ -249,13 +255,16 @@ class ChildProcess:
     def _last_printed(self) -> str:
         """Return words that quote the last line that the child printed; empty if there is none."""
         printed = self._printed.decode(errors="replace").strip()
-        # An answer that was printed instead of written to the answers' pipe.
+        # The child may have printed its answer instead of writing it to the answers' pipe.
         is_answer = printed.rpartition("\n")[2].startswith("{")
         where = f" (answers go to the descriptor in {ANSWERS})" if is_answer else ""
         return f"{last_line(printed)}{where}"
 
     def end(self) -> None:
-        """Close the child's input, and kill the child if it does not end."""
+        """Close the child's input, and kill the child if it does not end within `END_LIMIT`.
+
+        A child that broke the protocol is killed at once.
+        """
         if self._streams.get_map() is None:
             return
         self._streams.close()
@@ -281,7 +290,7 @@ def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
     Raises
     ------
     ProtocolError, OSError
-        If a new process cannot be started, as for `ChildProcess`.
+        If a new process cannot be started; `ChildProcess` says which is raised when.
     """
     idle = _idle.get(command, [])
     while idle:

@@ -1,4 +1,4 @@
-"""A scene in a child process; converts between the scene's frames and the child's."""
+"""A scene in a child process; states are converted between the scene's axes and the child's."""
 
 import time
 from collections.abc import Sequence
@@ -11,27 +11,28 @@ from ..scene_record import HeldRotor, RecordFrame, WorldBody, scene_record
 from .messages import Active, Done, Opened, Seconds, StateRow, Stepped
 from .process import ChildProcess, given_back
 
-#: Largest number of steps in a call, so that an answer comes within the time limit.
+#: Largest number of steps in a call, so that the answer comes within the time limit.
 MOST_STEPS_A_CALL = 1 << 12
-#: Relative amount by which a child's clock may run faster than ours.
+#: Relative amount by which the time that a child measures may exceed the time that passes here.
 CLOCK_SLACK = 0.01
 
 
 @final
 class ChildSession(Session):
-    """A session of one scene in a child process, which no other session uses meanwhile.
+    """A session of one scene in a child process, which no other session uses at the same time.
 
-    The child is given the scene along the principal axes of the body without rotors, from its com.
+    The child is given the scene as a scene record.
 
     Parameters
     ----------
     child : the process, which has described itself
     method : name of the method
+    timestep : length of the steps, s
 
     Raises
     ------
     EngineError
-        From any method: with the child's message, or with the rule of the protocol that it broke.
+        From any method, if the child answers with an error or breaks the protocol.
     """
 
     def __init__(
@@ -47,7 +48,7 @@ class ChildSession(Session):
         self._left = 0
 
     def read_body(self) -> BodyReading:
-        """Return the body as the child holds it, in the axes and from the origin of the scene's."""
+        """Return the body as the child holds it, in the axes and origin of the scene's body."""
         body = self._opened.body
         parts = [
             HeldRotor(one.mass, np.array(one.com), one.inertia_com, np.array(one.axis))
@@ -57,7 +58,7 @@ class ChildSession(Session):
         return self._frame.body(reading)
 
     def _count(self, what: str, values: Sequence[object]) -> None:
-        """Raise `EngineError` unless there is a value for each part; `what` names the values."""
+        """Raise `EngineError` unless there is a value for each rotor; `what` names the values."""
         if len(values) != self._parts:
             words = f"{what!r} must have one entry a part, {self._parts}, got {len(values)}"
             raise EngineError(words, "protocol")
@@ -72,19 +73,19 @@ class ChildSession(Session):
         return self._child.hello is not None and self._child.hello.restart
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the child's body to a state; see `Session.restart`."""
+        """Set the child's body to a state, and the timestep, s, if given (`Session.restart`)."""
         self._timestep = self._timestep if timestep is None else timestep
         motion, self._left = self._frame.motion(state), 0
         self._state = self._child.ask(StateRow, "restart", **motion, timestep=self._timestep)
 
     def advance(self, steps: int) -> None:
-        """Add to the number of steps that are due; the next snapshot takes them."""
+        """Note that `steps` more steps are due; the next `snapshot` or `timed` takes them."""
         self._left += steps
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """Take steps; return the time that the child measures, s, as both CPU and wall time.
+        """Take steps; return the time that the child measures, s, as CPU time and as wall time.
 
-        It raises `EngineError` if that is more than the time that has passed here.
+        `EngineError` is raised if it is longer than the time that has passed here.
         """
         self.snapshot()
         begun = time.perf_counter()
@@ -96,9 +97,10 @@ class ChildSession(Session):
         return seconds, seconds
 
     def snapshot(self) -> list[float | None]:
-        """Take the steps that are due, and return the state in the child's frames.
+        """Take the steps that are due, and return the state as the child answers it.
 
-        These are the numbers q, ω, com, velocity and spins in one list, None if not finite.
+        It is one list of the numbers `q`, `omega`, `com`, `velocity` and `spins` of a record; None
+        stands for a number that is not finite.
         """
         while self._left:
             steps = min(MOST_STEPS_A_CALL, self._left)
@@ -113,7 +115,7 @@ class ChildSession(Session):
         return self._frame.states(np.array(snapshots, dtype=float))
 
     def check(self) -> None:
-        """Do nothing: a child reports trouble in its answers."""
+        """Do nothing: a child reports trouble in its answers, for which every call raises."""
 
     def active(self) -> frozenset[str]:
         """Return the names of what the child reports as acting on the body."""

@@ -1,4 +1,4 @@
-"""An engine at another version, which runs in processes that import from its folder first."""
+"""An engine at another version: it runs in worker processes that import from its folder first."""
 
 import inspect
 from collections.abc import Callable
@@ -14,27 +14,27 @@ from ..method import Method
 from ..session import Session
 from .folders import Say, VersionError, check_version, install, install_for
 
-#: Packages that a worker of another Python imports of spincheck.
+#: The packages of spincheck that a worker process under another Python imports.
 PACKAGES = tuple(f"spincheck.{part}" for part in ("engines", "reference", "reports", "scenarios"))
 
 
-#: Methods of the adapter that do not use the engine's package, so that any process may call them.
+#: Functions of the adapter that do not use the engine's package: any process may call them.
 WITHOUT_PACKAGE = frozenset({"applies_to", "at_version", "defaults", "left_out", "script"})
 
 
 @final
 class VersionedEngine(Engine):
-    """The adapter of an engine on another version of its package.
+    """An engine at another version of its package, driven by the same adapter.
 
-    It opens scenes in a process that imports modules from the folder `site` first and has imported
-    no other version before. All members of `Engine` that this class does not define are forwarded
+    It opens scenes only in a process that imports modules from the folder `site` first, so that the
+    adapter uses this version. All members of `Engine` that this class does not define are forwarded
     to the adapter.
 
     Parameters
     ----------
-    base : the engine's name
+    base : name of the engine, without a version
     version : the version, such as "3.1.6"
-    methods : the methods, with their orders in that version
+    methods : the methods, with their orders in this version
     site : the folder that the version is installed in
     """
 
@@ -45,7 +45,7 @@ class VersionedEngine(Engine):
 
     @property
     def version(self) -> str:
-        """The version that was asked for, such as "3.1.6"."""
+        """The version, such as "3.1.6"."""
         return self._version
 
     @property
@@ -60,14 +60,14 @@ class VersionedEngine(Engine):
         return tuple(sorted(file.parent.glob("*.py")))
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Open a scene as the adapter does, in the process of this version.
+        """Open a scene by the adapter; return the session.
 
-        In any other process it raises `EngineError`.
+        `EngineError` is raised in a process that has not imported this version.
         """
         return self._adapter().open(scenario, method, timestep)
 
     def _adapter(self) -> Engine:
-        """Return the adapter; raise `EngineError` unless this process has the version."""
+        """Return the adapter; raise `EngineError` if it uses another version in this process."""
         adapter = engines().get(self._base)
         if adapter is None:
             raise EngineError(f"{self.name} cannot be imported")
@@ -79,9 +79,9 @@ class VersionedEngine(Engine):
 
 
 def _forwarded(name: str) -> Callable[..., Any]:
-    """Return a method that calls the adapter's method of the same name.
+    """Return a function that calls the adapter's function of the given name.
 
-    If that method uses the engine's package, the installed version is checked first.
+    If that uses the engine's package, the version in this process is checked first.
     """
 
     def forward(self: VersionedEngine, *args: Any, **kwargs: Any) -> Any:
@@ -92,7 +92,7 @@ def _forwarded(name: str) -> Callable[..., Any]:
 
 
 def _shared(name: str) -> property:
-    """Return a property with the value of the adapter's attribute, the same in any version."""
+    """Return a property: the adapter's attribute `name`, which is the same in any version."""
     return property(lambda self: getattr(engines()[self._base], name))
 
 
@@ -103,21 +103,21 @@ for _name, _member in vars(Engine).items():
 
 
 def versioned(name: str, python: str = "", say: Say = len) -> VersionedEngine:
-    """Return an engine at another version, which is installed unless it is already.
+    """Return an engine at another version, which is installed first if it is not yet.
 
     Parameters
     ----------
     name : engine@version, such as mujoco@3.1.6
-    python : the command of another interpreter that it is to run under; empty for this one
+    python : command of the Python interpreter that the engine is to run under; empty for this one
     say : called with a sentence before anything is downloaded
 
     Raises
     ------
     VersionError
-        If there is no such engine, it has no other versions, the version is not of the form of one,
-        the other interpreter cannot be used, or pip cannot install the version.
+        If there is no such engine, its adapter supports no other versions, the version has not the
+        form of one, the interpreter cannot be used, or pip cannot install the version.
     PermissionError
-        If the user's cache folder is not safe, as for `user_cache`.
+        If others may write to the user's cache folder; see `user_cache`.
     """
     base, _, version = name.partition("@")
     there = [one for one, engine in engines().items() if engine.at_version("1") is not None]

@@ -12,17 +12,17 @@ from ...scenarios import printable
 from ..start_process import ISOLATED, run
 from ..user_cache import user_cache
 
-#: Tag of this Python, because wheels are for one minor version of Python.
+#: Wheel tag of the running Python, such as cp312: wheels are for one minor version of Python.
 _PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
-#: Program that prints the tag of another Python, run by that Python.
+#: Program that prints the wheel tag of the Python that runs it.
 _TAG = "import sys; print(f'cp{sys.version_info.major}{sys.version_info.minor}')"
-#: Pattern of the tags that it may print.
+#: Pattern of the tags of the Pythons that can be used, 3.11 and later.
 _TAGGED = re.compile(r"cp3(1[1-9]|[2-9]\d)")
 #: Pattern of a version (PEP 440, without epochs and local versions).
 _VERSION = re.compile(r"\d+(\.\d+)*([a-z]+\d*)?(\.(post|dev)\d+)?")
-#: Largest length of a version, characters.
+#: Largest number of characters of a version.
 LONGEST_VERSION = 40
-#: Packages that a worker of another Python needs besides the engine.
+#: Packages that a worker process under another Python needs besides the engine.
 RUNS_WITH = ("numpy", "scipy", "pydantic", "mpmath", "numba", "psutil")
 #: Longest time that pip may take, s.
 _PATIENCE = 600
@@ -34,7 +34,7 @@ class VersionError(Exception):
 
     Attributes
     ----------
-    is_usage : whether the user's command is wrong, rather than that installing failed
+    is_usage : whether the user's command is wrong; if false, installing failed
     """
 
     def __init__(self, message: str, *, is_usage: bool = False) -> None:
@@ -43,7 +43,7 @@ class VersionError(Exception):
 
 
 def folder_of(name: str, python: str = _PYTHON) -> Path:
-    """Return the folder of an engine at a version, which need not exist.
+    """Return the folder that a version of an engine is installed in, or would be.
 
     Parameters
     ----------
@@ -68,9 +68,9 @@ def install(
     Raises
     ------
     VersionError
-        If pip fails, with the error that it printed, or does not finish in time.
+        If pip fails or does not finish in time. The message has the error that pip printed.
     PermissionError
-        If the user's cache folder is not safe, as for `user_cache`.
+        If others may write to the user's cache folder; see `user_cache`.
     """
 
     def fill(target: Path) -> None:
@@ -89,24 +89,26 @@ def install_for(
     surplus: Sequence[str] = (),
     say: Say = len,
 ) -> Path:
-    """Install an engine for another interpreter, in a virtual environment; return its folder.
+    """Install an engine for another Python, in a virtual environment, unless it is installed.
+
+    Return the folder of the environment.
 
     Parameters
     ----------
-    python : the command of the other interpreter
+    python : command of the other Python interpreter
     name : engine@version
     requirements : distributions to install, as pip takes them
-    code : folders of packages of spincheck that are linked into the environment
+    code : folders of packages of spincheck, to which the environment gets links
     surplus : packages that are removed after installing
     say : called with a sentence before anything is downloaded
 
     Raises
     ------
     VersionError
-        If there is no such Python, it is too old, the system is Windows, or pip fails, with the
-        error that it printed, or does not finish in time.
+        If there is no such Python, it is too old, the system is Windows, or pip fails or does not
+        finish in time. The message has the error that pip printed.
     PermissionError
-        If the user's cache folder is not safe, as for `user_cache`.
+        If others may write to the user's cache folder; see `user_cache`.
     """
     if sys.platform == "win32":
         words = "'--python' needs an environment as Linux and macOS have it; run it in WSL"
@@ -125,7 +127,7 @@ def install_for(
     def fill(target: Path) -> None:
         _call(f"'{python}' makes no environment", [python, ISOLATED, "-m", "venv", str(target)])
         needed = [*RUNS_WITH, *requirements]
-        # Only files that are not copied know where the original is.
+        # The environment's own Python runs pip, so that pip installs into the environment.
         _call(_not_there(name, needed), [*_pip(str(interpreter_of(target))), *needed])
         packages = next(target.glob("lib/python3*/site-packages"))
         _drop(packages, surplus)
@@ -138,7 +140,7 @@ def install_for(
 
 
 def interpreter_of(site: Path) -> Path:
-    """Return the path of the interpreter of a virtual environment in the folder `site`."""
+    """Return the path that the interpreter has if the folder `site` is a virtual environment."""
     return site / "bin" / "python"
 
 
@@ -148,7 +150,7 @@ def check_version(version: str) -> None:
     Raises
     ------
     VersionError
-        If it has not.
+        If it has not this form.
     """
     if len(version) > LONGEST_VERSION or not _VERSION.fullmatch(version):
         raise VersionError(
@@ -158,30 +160,33 @@ def check_version(version: str) -> None:
 
 
 def _pip(python: str) -> list[str]:
-    """Return the command by which an interpreter installs distributions, which are to follow."""
+    """Return the command of pip that installs distributions; their names are to be appended.
+
+    `python` is the command of the interpreter that pip runs under.
+    """
     quietly = ["--quiet", "--no-input", "--only-binary", ":all:", "--disable-pip-version-check"]
     return [python, ISOLATED, "-m", "pip", "install", *quietly]
 
 
 def _drop(packages: Path, surplus: Sequence[str]) -> None:
-    """Remove packages, by their names, from the folder `packages`, if they are there."""
+    """Remove the packages named in `surplus` from the folder `packages`, if they are there."""
     for name in surplus:
         shutil.rmtree(packages / name, ignore_errors=True)
 
 
 def _made(folder: Path, fill: Callable[[Path], None], say: Say) -> Path:
-    """Return the path of a folder, which is made and filled if it does not exist.
+    """Make and fill a folder if it does not exist; return its path.
 
     Parameters
     ----------
-    fill : fills a new folder, given its path; the folder is then moved to its place
-    say : called with a sentence before a folder is filled
+    fill : makes and fills a folder at a temporary path, which is then moved to the path `folder`
+    say : called with a sentence before anything is made
     """
     if folder.is_dir():
         return folder
     say(f"Installing {folder.name}, once, into {folder.parent}")
     _folders().mkdir(parents=True, exist_ok=True)
-    # It is filled beside its place and moved when complete, so that a folder that exists is whole.
+    # Made at a temporary path and moved when complete, so that a folder that exists is complete.
     with tempfile.TemporaryDirectory(dir=_folders(), prefix=".new-") as made:
         target = Path(made, "site")
         fill(target)
@@ -195,7 +200,13 @@ def _made(folder: Path, fill: Callable[[Path], None], say: Say) -> Path:
 
 
 def _not_there(name: str, wanted: Sequence[str]) -> str:
-    """Return the beginning of the message that an engine could not be installed."""
+    """Return the beginning of the message that pip cannot install an engine.
+
+    Parameters
+    ----------
+    name : engine@version
+    wanted : the distributions that pip was to install
+    """
     return f"{name} is not installed, and pip cannot install {' '.join(wanted)}"
 
 
@@ -204,7 +215,7 @@ def _call(failing: str, command: Sequence[str]) -> str:
 
     Parameters
     ----------
-    failing : beginning of the message if the command fails: what did not succeed
+    failing : beginning of the message if the command fails, which says what could not be done
 
     Raises
     ------

@@ -1,6 +1,7 @@
 """Brax's three pipelines, in single precision, on the CPU.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,19 +16,19 @@ from ...scene_record import WorldBody, scene_record
 from ...world_engine import WorldEngine
 from ...world_session import WorldBatch, WorldSession
 
-#: Effects that Brax can simulate. Its forces act along coordinates of joints, and neither a free
-#: joint nor the three hinges of a pivot take the scene's torques.
+#: Effects that Brax can simulate. Brax applies forces along the coordinates of joints only; those
+#: of a free joint, or of the three hinges of a pivot, cannot apply the scene's torques.
 EFFECTS = frozenset({"gravity", "pivot"})
-#: Relative rounding of numbers in single precision.
+#: Relative tolerance of numbers that were rounded to single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
 
 
 @final
 class BraxSession(WorldSession):
-    """A session of one body in a Brax system of its own; the body's frame is at its joint."""
+    """A session of one body in a Brax system of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the system holds it, relative to its joint."""
+        """Return the body as the system holds it, from the joint, in the record's axes."""
         inertia = self.world.system.link.inertia
         mass, com, tensor = (
             np.asarray(one[0], dtype=float)
@@ -51,9 +52,9 @@ class BraxSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return Jacobians by JAX, of one or many steps, in forward and in reverse mode.
+        """Return the Jacobians that JAX computes, "jacfwd" and "jacrev": of one step or many.
 
-        Only the method `generalized` has any.
+        Only methods with the pipeline `generalized` have any.
         """
         if not self.world.is_generalized:
             return {}
@@ -61,7 +62,7 @@ class BraxSession(WorldSession):
         return {way: Derivative(compute, through=compute) for way, compute in ways.items()}
 
     def _derivative(self, way: str, steps: int = 1) -> FloatArray:
-        """Return the Jacobian of the next steps by a turn and ω, body axes, (6, 6).
+        """Return the Jacobian of the next steps in the chart, (6, 6).
 
         `way` is JAX's mode, "jacfwd" or "jacrev".
         """
@@ -70,7 +71,7 @@ class BraxSession(WorldSession):
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
-    """Return the method of a pipeline, by the pipeline's name."""
+    """Return the method that uses Brax's pipeline of the same name."""
     setup = f"state = brax.{name}.pipeline.step(sys, state, act)"
     return Method(name, 1, 1, summary, EFFECTS, as_shipped=as_shipped, setup=setup)
 
@@ -95,7 +96,7 @@ class Brax(WorldEngine):
     )
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """Open a batch with a world for each of the scenes; equal scenes are compiled once."""
+        """Open a batch with a world for each scene; the MJCF of equal scenes is compiled once."""
         module = import_module(f"{__package__}.world")
         worlds = {
             scenario: module.World(scene_record(scenario), method.name, timestep)

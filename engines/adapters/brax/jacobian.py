@@ -1,4 +1,4 @@
-"""The Jacobian of Brax's steps in joint coordinates, as `jax.jacfwd` and `jax.jacrev` give it."""
+"""The Jacobian of steps of Brax's generalized pipeline, by `jax.jacfwd` or `jax.jacrev`."""
 
 import warnings
 from importlib import import_module
@@ -12,16 +12,16 @@ from spincheck.engine import FloatArray, in_chart, numbers_by_chart
 from ...user_cache import user_cache
 
 parts: Any = import_module(f"{__package__}.world")
-# Imported when it is first asked for, because it compiles for a minute.
+# JAX compiles a Jacobian for a minute: what it compiles is stored in the user's cache.
 parts.jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
-#: Places of the quaternion in q, and of ω in qd, the coordinates of a free joint.
+#: Indices of the quaternion in the coordinates q of a free joint, and of ω in its velocities qd.
 QUATERNION, TURNING = slice(3, 7), slice(3, 6)
 
 
 def _stepped(steps: Any, x: Any, system: Any) -> Any:
-    """Return coordinates q and qd after `steps` steps, twice: as value and as auxiliary output.
+    """Return q and qd after `steps` steps in one array, twice: as value and as auxiliary output.
 
-    JAX differentiates the value by `x`, the coordinates q and qd before the steps in one array.
+    JAX differentiates the value by `x`, which is q and qd before the steps.
     """
     without_actuators = jnp.zeros(0, x.dtype)
     begun = parts.generalized.init(system, x[: system.q_size()], x[system.q_size() :])
@@ -32,7 +32,8 @@ def _stepped(steps: Any, x: Any, system: Any) -> Any:
     return after, after
 
 
-#: The Jacobian by mode. Reverse mode only goes through loops whose length the compiler knows.
+#: Functions that return a Jacobian and the end of the steps, by JAX's mode. Reverse mode needs
+#: loops whose length is known when they are compiled.
 _JACOBIANS = {
     "jacfwd": jax.jit(jax.jacfwd(_stepped, argnums=1, has_aux=True)),
     "jacrev": jax.jit(jax.jacrev(_stepped, argnums=1, has_aux=True), static_argnums=0),
@@ -40,14 +41,16 @@ _JACOBIANS = {
 
 
 def jacobian(world: Any, way: str, steps: int) -> FloatArray:
-    """Return the Jacobian of a world's next steps by a turn, rad, and ω, rad/s, (6, 6).
+    """Return the Jacobian of a world's next steps in the chart, (6, 6).
 
-    Rows are turn and ω after the steps; all are along the axes of the scene's record. The world
-    itself takes no step.
+    The turns, rad, and ω, rad/s, are in the axes of the scene's record. The world itself takes no
+    step.
 
     Parameters
     ----------
+    world : a `World` of the adapter's `world.py`
     way : JAX's mode, "jacfwd" or "jacrev"
+    steps : number of steps
     """
     x = np.concatenate([world.state.q, world.state.qd])
     with warnings.catch_warnings(**parts.WARNINGS):
@@ -65,10 +68,10 @@ def jacobian(world: Any, way: str, steps: int) -> FloatArray:
 
 
 def _chart_by_hinges(q: Any, qd: Any) -> FloatArray:
-    """Return the derivative of (δθ, ω), body axes, by three hinges' angles and rates, (6, 6).
+    """Return the derivative of (δθ, ω), body axes, by angles and rates of three hinges, (6, 6).
 
-    With the hinges' axes b_i in body axes, ω = Σ b_i q_i', and a turn of a later hinge j changes
-    b_i by b_i × b_j. `q` has the angles, rad, and `qd` the rates, rad/s, (3,) each.
+    With b_i, the axis of hinge i in body axes, ω = Σ b_i q_i'. A turn δq_j of a later hinge j
+    changes b_i by b_i × b_j δq_j. `q` has the angles, rad, and `qd` the rates, rad/s, (3,) each.
     """
     b = parts.hinged(q).T @ parts.hinge_axes(q)
     by_angles = np.zeros((3, 3))

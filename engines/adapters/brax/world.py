@@ -9,8 +9,8 @@ import numpy as np
 
 from ...world_parts import matrix, quaternion
 
-#: Filter of all warnings: Brax and a package that it imports warn that they are not maintained, and
-#: its parts of MJX warn, too.
+#: Filter that ignores all warnings. Brax and a package that it imports warn that they are not
+#: maintained; the parts of MJX that it uses warn as well.
 WARNINGS = {"action": "ignore", "category": Warning}
 
 with warnings.catch_warnings(**WARNINGS):
@@ -24,8 +24,8 @@ with warnings.catch_warnings(**WARNINGS):
 jax.config.update("jax_platforms", "cpu")
 #: The pipeline of each method, and Brax's own options, which it reads from `custom` in an MJCF.
 PIPELINES = {
-    # With iterations it would only approximate the inverse mass matrix, from that of the previous
-    # step.
+    # With iterations, the inverse mass matrix would only be approximated, beginning with that of
+    # the step before.
     "generalized": (generalized, {"matrix_inv_iterations": 0}),
     "spring": (spring, {}),
     "positional": (positional, {}),
@@ -42,12 +42,11 @@ MJCF = """\
     </body>
   </worldbody>
 </mujoco>"""
-#: Brax has no ball joint: three hinges about the axes of the body, one after the other, stand for
-#: it.
+#: Brax has no ball joint. In its place are three hinges in series, about the axes of the body.
 HINGES = "".join(f'<joint axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
-#: The axes of the frame in which the hinges are, in columns, world axes. The hinges are singular
-#: where the body's third axis is along the first column. This column is along no axis of the world,
-#: since at the start the third axis of a top often is.
+#: Axes of the frame that the hinges are in, as columns, world axes. The hinges are singular where
+#: the body's third axis is along the first column. At the start, the third axis of a top is often
+#: along an axis of the world, so the first column is along none.
 FRAME = np.array([[1, 1, 1], [1, -1, 1], [1, 0, -2]]) / np.sqrt([3, 2, 6])
 
 
@@ -58,14 +57,17 @@ def single(numbers):
 
 
 def texts(numbers):
-    """Return numbers as one text, separated by spaces, as an attribute of MJCF has them."""
+    """Return numbers as one text, separated by spaces, as in an attribute of MJCF."""
     return " ".join(map(repr, map(float, numbers)))
 
 
 def mjcf(scene, options):
     """Return the MJCF of a body on a free joint at its com, or on three hinges at its pivot.
 
-    `options` has Brax's own options, numbers by name.
+    Parameters
+    ----------
+    scene : the scene's record
+    options : Brax's own options, numbers by name
     """
     is_free = scene["arm"] is None
     custom = "".join(f'<numeric name="{key}" data="{options[key]}"/>' for key in options)
@@ -80,7 +82,10 @@ def mjcf(scene, options):
 
 
 def angles(R):
-    """Return the angles, rad, (3,), at which hinges about x, y and z make up a rotation matrix."""
+    """Return the angles, rad, (3,), of three hinges in series that give a rotation matrix.
+
+    The hinges turn about x, then y, then z; `hinged` inverts this function.
+    """
     return np.array(
         [
             np.arctan2(-R[1, 2], R[2, 2]),
@@ -98,14 +103,14 @@ def turned_about(angle, axis):
 
 
 def hinged(q):
-    """Return the rotation matrix, body to the hinges' frame, of three hinges at angles q, rad."""
+    """Return the rotation matrix, body to the hinges' frame, for hinges at angles q, rad, (3,)."""
     return turned_about(q[0], 0) @ turned_about(q[1], 1) @ turned_about(q[2], 2)
 
 
 def hinge_axes(q):
-    """Return the axes about which three hinges at angles q turn the body, in columns, (3, 3).
+    """Return the axes about which the hinges turn the body, as columns, (3, 3).
 
-    They are unit vectors along the axes of the hinges' frame.
+    They are unit vectors in the axes of the hinges' frame. `q` has the angles, rad, (3,).
     """
     first = turned_about(q[0], 0)
     second = first @ turned_about(q[1], 1)
@@ -113,9 +118,9 @@ def hinge_axes(q):
 
 
 class Structure:
-    """The structure that systems share if they differ only in numbers.
+    """The structure (JAX's "treedef") of Brax systems, shared by all that differ only in numbers.
 
-    JAX finds compiled code by the identity of this object; comparing the constant arrays of two
+    JAX finds compiled code by the identity of this object: comparing the constant arrays of two
     structures would take longer than a step.
     """
 
@@ -123,18 +128,18 @@ class Structure:
         self.tree = tree
 
 
-#: One structure for all trees that are equal.
+#: Function that returns the `Structure` of a tree: the same object for equal trees.
 structure_of = cache(Structure)
 
 
 def system_of(structure, numbers, timestep):
-    """Return a Brax system, put together again from the parts that `World` takes it apart into.
+    """Return the Brax system that has a given structure, arrays and timestep.
 
     Parameters
     ----------
     structure : the system's `Structure`
     numbers : the system's arrays, in the order in which JAX lists the leaves of the tree
-    timestep : s
+    timestep : length of the steps, s
     """
     system = jax.tree.unflatten(structure.tree, numbers)
     return system.replace(opt=system.opt.replace(timestep=timestep))
@@ -142,24 +147,26 @@ def system_of(structure, numbers, timestep):
 
 @partial(jax.jit, static_argnums=(0, 1))
 def begun(pipeline, structure, numbers, timestep, q, qd):
-    """Return a pipeline's state with coordinates q and velocities qd, before the first step.
+    """Return a pipeline's state before the first step, at coordinates q and velocities qd.
 
-    The system is given by the arguments of `system_of`.
+    `structure`, `numbers` and `timestep` are the arguments of `system_of`.
     """
     return pipeline.init(system_of(structure, numbers, timestep), q, qd)
 
 
 @partial(jax.jit, static_argnums=0)
 def moved(structure, numbers, timestep, state, place, turning):
-    """Return a state with the bodies' coms at other places and velocities.
+    """Return a state with the bodies moved to other positions and velocities.
 
     It is needed because `init` gives a body on several hinges a wrong velocity: "fix qd->jd
     calculation for stacked/offset joints" (brax/kinematics.py).
 
     Parameters
     ----------
-    place : position and attitude of each body's com, a `Transform`
-    turning : ω and velocity of each body's com, a `Motion`
+    structure, numbers, timestep : the arguments of `system_of`
+    state : the state before, which is not changed
+    place : position of each body's com, and each body's attitude, a `Transform`
+    turning : ω of each body, and the velocity of its com, a `Motion`
     """
     system = system_of(structure, numbers, timestep)
     x, xd = com.to_world(system, place, turning)
@@ -170,7 +177,10 @@ def moved(structure, numbers, timestep, state, place, turning):
 
 @partial(jax.jit, static_argnums=(0, 1))
 def stepped(pipeline, structure, numbers, timestep, state, count):
-    """Return the state after `count` steps of the system that `system_of` returns."""
+    """Return the state after `count` steps of a pipeline.
+
+    `structure`, `numbers` and `timestep` are the arguments of `system_of`.
+    """
     system = system_of(structure, numbers, timestep)
     without_actuators = np.zeros(0, np.float32)
     return jax.lax.fori_loop(
@@ -185,7 +195,7 @@ class World:
     ----------
     scene : the scene's record
     method : key of `PIPELINES`
-    timestep : s
+    timestep : length of the steps, s
     """
 
     def __init__(self, scene, method, timestep):
@@ -198,21 +208,21 @@ class World:
         if not self.is_free:
             place = system.link.transform.replace(rot=single([quaternion(FRAME)]))
             system = system.replace(link=system.link.replace(transform=place))
-        # Without the name, only numbers differ between systems, and JAX compiles them once.
+        # Without MuJoCo's model in them, systems differ only in numbers, and JAX compiles once.
         self.system = jax.tree.map(np.asarray, system.replace(mj_model=None))
         numbers, tree = jax.tree.flatten(self.system)
         self.structure, self.numbers = structure_of(tree), jax.device_put(numbers)
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Set another motion, keyed as in the scene's record, and timestep, s.
+        """Set another motion, with the keys of the scene's record, and the timestep, s.
 
         Nothing of earlier steps is left.
         """
         self.timestep = single(timestep)
         R, omega = matrix(motion["q"]), np.array(motion["omega"])
         if self.is_free:
-            # The angular velocity of a free joint is along the body's axes.
+            # A free joint has its angular velocity in body axes.
             q = [*motion["com"], *motion["q"]]
             qd = [*motion["velocity"], *(R.T @ omega)]
         else:
@@ -231,11 +241,14 @@ class World:
         return self.structure, self.numbers, self.timestep
 
     def motion(self):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, (13,)."""
+        """Return the present state as one array, (13,), in world axes.
+
+        It has the attitude, w x y z, ω, rad/s, the com, m, and its velocity, m/s.
+        """
         return self.motion_of(self.state)
 
     def motion_of(self, state):
-        """Return the motion, as `motion` does, in a given state of the system."""
+        """Return a state of the pipeline as one array, (13,), with the numbers of `motion`."""
         q, qd = np.asarray(state.q, float), np.asarray(state.qd, float)
         if not self.is_generalized:
             place, turning = jax.tree.map(
@@ -249,7 +262,7 @@ class World:
         return np.concatenate([quaternion(R), omega, com, np.cross(omega, com)])
 
     def advance(self, steps):
-        """Take steps."""
+        """Take `steps` steps."""
         with warnings.catch_warnings(**WARNINGS):
             ended = stepped(self.pipeline, *self.system_parts, self.state, np.int32(steps))
         self.state = jax.block_until_ready(ended)
@@ -257,7 +270,7 @@ class World:
 
 @partial(jax.jit, static_argnums=0)
 def stepped_all(pipeline, systems, states, count):
-    """Return the states of all worlds after `count` steps.
+    """Return the states of all worlds after `count` steps of each.
 
     `systems` and `states` are trees whose arrays have a row for each world.
     """
@@ -267,7 +280,7 @@ def stepped_all(pipeline, systems, states, count):
 
 
 def stacked(trees):
-    """Return trees that differ only in numbers as one tree, whose arrays have a row for each."""
+    """Return several trees that differ only in numbers as one; its arrays have a row for each."""
     return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
 
 
@@ -276,7 +289,7 @@ class Worlds:
 
     Parameters
     ----------
-    worlds : a `World` for each, at its start
+    worlds : the single worlds, each a `World` at its start
     """
 
     def __init__(self, worlds):
@@ -286,13 +299,13 @@ class Worlds:
         self.states = jax.device_put(stacked([world.state for world in worlds]))
 
     def advance(self, steps):
-        """Take steps."""
+        """Take `steps` steps of each world."""
         with warnings.catch_warnings(**WARNINGS):
             ended = stepped_all(self.pipeline, self.systems, self.states, np.int32(steps))
         self.states = jax.block_until_ready(ended)
 
     def motions(self, places):
-        """Return the motions of the worlds with indices `places`, as `World.motion` does."""
+        """Return a list of the states of the worlds with indices `places`, in `motion`'s form."""
         states = jax.tree.map(np.asarray, self.states)
         return [
             self.worlds[k].motion_of(jax.tree.map(lambda leaf, k=k: leaf[k], states))

@@ -1,6 +1,7 @@
 """DART, multibody dynamics in joint coordinates, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 from collections.abc import Iterator
@@ -13,11 +14,11 @@ from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession
 
-#: A table is a planar slide under a ball joint, a rotor's hinge is a revolute joint.
+#: A table is modelled as a planar slide under a ball joint, a rotor's hinge as a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
-#: Number of a joint's coordinates that turn the body; they come first.
+#: Number of components of the torque, which comes first in an external force.
 TURNING = 3
-#: What users write to keep bodies from falling asleep.
+#: Code by which users set the timestep and keep bodies from falling asleep (being deactivated).
 AWAKE = """\
 world.setTimeStep(TIMESTEP)
 options = world.getDeactivationOptions()
@@ -27,10 +28,10 @@ world.setDeactivationOptions(options)"""
 
 @final
 class DartSession(WorldSession):
-    """A session of one body in a DART world of its own; the body's frame is at its joint."""
+    """A session of one body in a DART world of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as its body node holds it, relative to its joint."""
+        """Return the body as DART's body node holds it, from the joint, in the record's axes."""
         inertia = self.world.body.getInertia()
         arm = None if self.world.is_free else np.zeros(3)
         mass = inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment())
@@ -55,10 +56,10 @@ class DartSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return whether each effect or fault of the joints is present, by its name in the audit.
+        """Return, by name, whether the joints implement each effect or have a fault.
 
-        The names are "pivot", "table", "rotors", "other bodies", and, in words, how the joint of a
-        rotor differs from the scene.
+        The names are "pivot", "table", "rotors", "other bodies", and words on each difference of a
+        rotor's joint from the scene.
         """
         slide, rotors = self.world.slide, self.world.rotors
         count = self.world.skeleton.getNumBodyNodes()
@@ -73,7 +74,7 @@ class DartSession(WorldSession):
         }
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield in words how the joints of rotors differ from what the scene states."""
+        """Yield, in words, how the joints of rotors differ from what the scene states."""
         kinds = self.module.dart.dynamics.ActuatorType
         described = self.scene.get("rotors", ())
         rows = enumerate(zip(described, self.world.rotors, strict=True), start=1)
@@ -92,11 +93,12 @@ class DartSession(WorldSession):
 
 
 def _rotor(joint: Any, node: Any) -> HeldRotor:
-    """Return a rotor at its joint's angle 0, in the axes and from the origin of the body node.
+    """Return a rotor at joint angle 0, in the axes and from the origin of the body that carries it.
 
     Parameters
     ----------
-    joint, node : the rotor's joint to the body, and its own body node
+    joint : the joint between the rotor and the body
+    node : the rotor's own body node
     """
     inertia, at = node.getInertia(), joint.getTransformFromParentBodyNode()
     R = np.array(at.rotation())
@@ -108,12 +110,12 @@ def _rotor(joint: Any, node: Any) -> HeldRotor:
 
 @final
 class Dart(WorldEngine):
-    """The engine DART, with the body on a free joint, or on a ball joint at its pivot."""
+    """The engine DART, with the body on a free joint, or on a ball joint where it is held."""
 
     session = DartSession
     name = "dartpy"
     package = "dartpy"
-    # The timestep that getTimeStep() of a new World returns.
+    # What getTimeStep() of a new World returns.
     stock_timestep = 1e-3
     methods = (
         Method(

@@ -5,20 +5,22 @@ import numpy as np
 
 from ...world_parts import is_pushed, matrix, rotation_vector, rotor_tensor
 
-#: Mass of the links that slide, in masses of the body: DART takes no link without mass.
+#: Mass of the link that slides on the table, in units of the body's mass: DART accepts no link
+#: without mass.
 LIGHT = 2.0**-80
 
 
 class World:
     """One body on a free joint at its com, or on a ball joint where it is held.
 
-    On a table the ball joint is on a planar slide. Rotors are on revolute joints, or welded on.
+    On a table the ball joint is on a planar slide. Rotors are on revolute joints; locked ones are
+    welded to the body.
 
     Parameters
     ----------
     scene : the scene's record
     method : name of the method
-    timestep : s
+    timestep : length of the steps, s
     """
 
     def __init__(self, scene, method, timestep):
@@ -43,10 +45,10 @@ class World:
         self.restart(scene, timestep)
 
     def slid(self, scene):
-        """Return, as a tuple, the body node that the body's joint is on; empty for the world.
+        """Return, as a tuple, the parent node of the body's joint; empty if that is the world.
 
-        For a body on a table, this node and its slide in the plane are added here; it has next to
-        no mass.
+        A body on a table has a parent node with next to no mass, on a slide in the table's plane:
+        both are added here.
         """
         if "slides" not in scene:
             return ()
@@ -58,7 +60,7 @@ class World:
         return (node,)
 
     def add_rotor(self, rotor):
-        """Add a rotor of the record at its place; return its joint and its body node."""
+        """Add the rotor with an entry `rotor` in the record; return its joint and its body node."""
         kind = "Weld" if rotor["hinge"] == "locked" else "Revolute"
         joint, node = getattr(self.skeleton, f"create{kind}JointAndBodyNodePair")(self.body)
         at = dart.math.Isometry3(np.eye(3), self.lever + rotor["place"])
@@ -68,16 +70,16 @@ class World:
         if kind == "Revolute":
             joint.setAxis(np.array(rotor["axis"]))
         if rotor["hinge"] == "driven":
-            # A driven joint is commanded an angular acceleration, which is zero.
+            # The joint's command is an angular acceleration, which is 0 by default.
             joint.setActuatorType(dart.dynamics.ActuatorType.ACCELERATION)
         return joint, node
 
     def spins(self):
-        """Return the spins of the rotors, relative to the body, rad/s; 0 for a locked one."""
+        """Return the spins of the rotors, rad/s; 0 for a locked one."""
         return [joint.getVelocity(0) if joint.getNumDofs() else 0.0 for joint, _ in self.rotors]
 
     def restart(self, motion, timestep):
-        """Set another motion, keyed as in the scene's record, and timestep, s."""
+        """Set another motion, with the keys of the scene's record, and the timestep, s."""
         self.world.setTimeStep(timestep)
         for (joint, _), spin in zip(self.rotors, motion.get("spins", ()), strict=True):
             if joint.getNumDofs():
@@ -98,9 +100,9 @@ class World:
         self.joint.setSpatialVelocity(velocity, dart.dynamics.Frame.World(), self.body)
 
     def motion(self):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins.
+        """Return the state as one array, (13 + rotors,), in world axes.
 
-        The units are those of the record: rad/s, m and m/s.
+        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
         """
         body = self.body
         attitude = body.getWorldTransform()
@@ -109,13 +111,13 @@ class World:
         return np.concatenate([attitude.quaternion().wxyz(), *motion])
 
     def push(self):
-        """Set the torques on the body, which DART clears after each step."""
+        """Apply the scene's torques to the body for the next step; DART clears them after it."""
         self.body.clearExternalForces()
         self.body.addExtTorque(np.array(self.scene["torque_body"]), True)
         self.body.addExtTorque(np.array(self.scene["torque_world"]), False)
 
     def advance(self, steps):
-        """Take steps one by one."""
+        """Take `steps` steps one by one."""
         for _ in range(steps):
             if self.is_pushed:
                 self.push()

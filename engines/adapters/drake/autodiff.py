@@ -1,4 +1,4 @@
-"""Derivatives by Drake's automatic differentiation, of a plant whose numbers are `AutoDiffXd`."""
+"""Derivatives of steps and of dω/dt, by Drake's automatic differentiation (`AutoDiffXd`)."""
 
 from typing import Any
 
@@ -10,11 +10,16 @@ from ...world_parts import matrix
 
 
 def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
-    """Return a world's attitude, w x y z, and derivatives by its present turn and ω.
+    """Return an attitude of a world, w x y z, and derivatives by its present turn and ω.
 
-    For a plant that steps itself these are the attitude after `steps` steps, and the derivatives of
-    that attitude and ω, (7, 6). For any other plant they are the present attitude, and the
-    derivatives of dω/dt, (3, 6). Turn and ω are along the axes of the scene's record.
+    For a discrete plant these are the attitude after `steps` steps, and the derivatives of that
+    attitude, as a quaternion, and of ω, (7, 6). For any other plant they are the present attitude,
+    and the derivatives of dω/dt, (3, 6). Turn and ω are in the axes of the scene's record.
+
+    Parameters
+    ----------
+    world : a `World` of the adapter's `world.py`
+    steps : number of steps; ignored unless the plant is discrete
 
     Raises
     ------
@@ -44,7 +49,7 @@ def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
         attitude = body.EvalPoseInWorld(after).rotation().ToQuaternion().wxyz()
         found = np.concatenate([attitude, found])
         return drake.ExtractValue(attitude.reshape(-1, 1)).ravel(), _gradient(found)
-    # d(R ω)/dt is R dω/dt, as ω × ω is zero.
+    # d(R ω)/dt is R dω/dt, because ω × ω is zero.
     rate = _turning(body.EvalSpatialAccelerationInWorld(context), body, context)
     return q, _gradient(rate)
 
@@ -54,8 +59,9 @@ def _set(world: Any, plant: Any, context: Any, numbers: Any) -> Any:
 
     Parameters
     ----------
-    world : the world whose plant `plant` differentiates
-    plant, context : the plant of numbers `AutoDiffXd`, and its context
+    world : the world
+    plant : the world's plant, converted to numbers of type `AutoDiffXd`
+    context : a context of `plant`
     numbers : the attitude, w x y z, and ω in body axes, with their gradients, (7,)
     """
     joint = plant.get_joint(world.joint.index())
@@ -72,7 +78,7 @@ def _set(world: Any, plant: Any, context: Any, numbers: Any) -> Any:
 
 
 def _turning(spatial: Any, body: Any, context: Any) -> Any:
-    """Return the angular part of a spatial velocity or acceleration, in body axes, (3,)."""
+    """Return the angular part, in body axes, (3,), of a body's spatial velocity or acceleration."""
     R = body.EvalPoseInWorld(context).rotation().matrix()
     return R.T @ spatial.rotational()
 

@@ -1,6 +1,7 @@
 """Drake, multibody dynamics with integrators of fixed step, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 from collections.abc import Iterator, Mapping
@@ -23,14 +24,15 @@ from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession
 
-#: A table is two slides under a ball joint, a rotor's hinge is a revolute joint.
+#: A table is modelled by two slides under a ball joint, a rotor's hinge by a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 
 
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
-    """Return the method of one of Drake's integration schemes, or of a plant that steps itself.
+    """Return the method of one of Drake's integration schemes, or of a discrete plant.
 
-    `name` is the scheme's name, "discrete" for such a plant, or "default".
+    A discrete plant steps itself, without an integrator. `name` is the scheme's name in Drake, or
+    "discrete" or "default" for such a plant.
     """
     setup = f"""\
 plant = MultibodyPlant(time_step=0.0)
@@ -51,22 +53,22 @@ ApplySimulatorConfig(config, simulator)"""
 
 @final
 class DrakeSession(WorldSession):
-    """A session of one body in a Drake plant of its own; the body's frame is at its joint.
+    """A session of one body in a Drake plant of its own; the body's origin is at its joint.
 
     Raises
     ------
     EngineError
-        If the ball joint is singular, at a pitch of 90°; with Drake's message.
+        If the ball joint becomes singular, at a pitch of 90°; the message is Drake's.
     """
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state; a plant that steps itself is built anew for another timestep."""
+        """Set the body to a state; a discrete plant is built anew for another timestep."""
         if self.world.is_discrete and timestep not in (None, self.timestep):
             self.world = self.module.World(self.scene, self.world.method, timestep)
         super().restart(state, timestep)
 
     def world_body(self) -> WorldBody:
-        """Return the body as the plant's context holds it, relative to its joint."""
+        """Return the body as the plant's context holds it, from the joint, in the record's axes."""
         arm = None if self.world.is_free else np.zeros(3)
         return WorldBody(
             *self._mass_of(self.world.body),
@@ -75,7 +77,7 @@ class DrakeSession(WorldSession):
         )
 
     def _mass_of(self, body: Any) -> tuple[float, FloatArray, FloatArray]:
-        """Return mass, com, and inertia tensor about the com of a body, in its own frame, SI."""
+        """Return a body's mass, kg, com, m, and tensor about the com, kg m², in its own frame."""
         spatial = body.CalcSpatialInertiaInBodyFrame(self.world.context)
         mass, com = spatial.get_mass(), np.array(spatial.get_com())
         about_origin = spatial.CalcRotationalInertia()
@@ -83,9 +85,9 @@ class DrakeSession(WorldSession):
         return mass, com, np.array(about_com)
 
     def _rotor(self, joint: Any) -> HeldRotor:
-        """Return the child body of a joint as a rotor, at the joint's angle 0.
+        """Return the child body of a joint as a rotor, at joint angle 0.
 
-        It is in the axes and from the origin of the parent body.
+        Its vectors are in the axes and from the origin of the parent body.
         """
         mass, com, inertia_com = self._mass_of(joint.child_body())
         at = joint.frame_on_parent().GetFixedPoseInBodyFrame()
@@ -104,17 +106,20 @@ class DrakeSession(WorldSession):
             raise EngineError(f"Drake: {words}", "warning" if singular else "refused") from None
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the derivative by `AutoDiffXd`: of the discrete update, or of dω/dt."""
+        """Return Drake's derivative by `AutoDiffXd`.
+
+        For a discrete plant it is that of steps, for any other that of dω/dt.
+        """
         if self.world.is_discrete:
             update = Derivative(self._derivative, through=self._derivative)
             return {"AutoDiff of the discrete update": update}
         return {"AutoDiff of dω/dt": Derivative(self._derivative)}
 
     def _derivative(self, steps: int = 1) -> FloatArray:
-        """Return a derivative by turn and ω, body axes: of steps, (6, 6), or of dω/dt, (3, 6).
+        """Return the derivative of `steps` steps, or of dω/dt, in the chart.
 
-        For a plant that steps itself it is that of `steps` steps. For a plant with an integrator it
-        is that of dω/dt, and `steps` is ignored.
+        For a discrete plant it is that of the steps, (6, 6). For a plant with an integrator it is
+        that of dω/dt, (3, 6), and `steps` is ignored.
 
         Raises
         ------
@@ -133,7 +138,7 @@ class DrakeSession(WorldSession):
         return along(self.frame.body_from_axes.as_matrix(), derivative)
 
     def check(self) -> None:
-        """Raise `EngineError` unless Drake took the right number of steps."""
+        """Raise `EngineError` unless Drake counts as many steps as were to be taken."""
         simulator, taken = self.world.simulator, self.world.taken
         if self.world.is_discrete:
             count = simulator.get_num_unrestricted_updates()
@@ -163,9 +168,9 @@ class DrakeSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield in words how the joints of rotors differ from what the scene states.
+        """Yield, in words, how the joints of rotors differ from what the scene states.
 
-        Actuators of other joints are yielded, too.
+        Actuators of other joints are described, too.
         """
         plant, context = self.world.plant, self.world.context
         drives = {
@@ -184,7 +189,7 @@ class DrakeSession(WorldSession):
         yield from (f"an actuator of {inertia:g} kg m²" for inertia in drives.values())
 
     def _felt_torque(self) -> FloatArray:
-        """Return the torque applied at the plant's input port, N m, world axes, (3,)."""
+        """Return the torque that the plant receives at its input port, N m, world axes, (3,)."""
         port, context = self.world.plant.get_applied_spatial_force_input_port(), self.world.context
         forces = port.Eval(context) if port.HasValue(context) else []
         return sum((np.array(force.F_Bq_W.rotational()) for force in forces), np.zeros(3))
@@ -192,7 +197,7 @@ class DrakeSession(WorldSession):
 
 @final
 class Drake(WorldEngine):
-    """The engine Drake, with a free body on a quaternion joint, and any other on a ball joint.
+    """The engine Drake, with a free body on a quaternion joint, and a held one on a ball joint.
 
     The coordinates of the ball joint are roll, pitch and yaw.
     """
@@ -202,8 +207,8 @@ class Drake(WorldEngine):
     package = "pydrake"
     # The default of MultibodyPlantConfig.time_step.
     stock_timestep = 1e-3
-    # Orders as in Drake's documentation of the integrators; measured in
-    # docs/measured/engines-more.md.
+    # Orders are those of Drake's documentation of the integrators; they were confirmed by
+    # measurement (docs/measured/engines-more.md).
     methods = (
         _method("runge_kutta5", 5, "Runge-Kutta of fifth order"),
         _method("runge_kutta3", 3, "Runge-Kutta of third order"),

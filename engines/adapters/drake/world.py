@@ -5,7 +5,7 @@ import pydrake.all as drake
 
 from ...world_parts import drive, matrix, push, rotor_tensor
 
-#: Names of the methods in which the plant steps itself, without an integrator.
+#: Names of the methods with a discrete plant, which steps itself, without an integrator.
 DISCRETE = ("discrete", "default")
 
 
@@ -20,7 +20,7 @@ class Torque(drake.LeafSystem):
 
     def __init__(self, scene, body):
         super().__init__()
-        # Drag is a damping of the joint instead.
+        # Drag is left out: it is implemented as damping of the joint.
         self.scene, self.body = scene | {"drag": 0.0}, body
         poses = drake.Value[list[drake.RigidTransform]]()
         self.poses = self.DeclareAbstractInputPort("poses", poses)
@@ -39,13 +39,14 @@ class Torque(drake.LeafSystem):
 class World:
     """One body on a quaternion joint, or on a ball joint of roll, pitch and yaw where it is held.
 
-    On a table the ball joint is on slides. Rotors are on revolute joints, or welded to the body.
+    On a table the ball joint is on slides. Rotors are on revolute joints; locked ones are welded to
+    the body.
 
     Parameters
     ----------
     scene : the scene's record
     method : name of the method
-    timestep : s
+    timestep : length of the steps, s
     """
 
     def __init__(self, scene, method, timestep):
@@ -75,9 +76,9 @@ class World:
         self.restart(scene, timestep)
 
     def add_body(self, scene):
-        """Add the body, what holds it, its rotors and gravity to the plant; finalize the plant.
+        """Add the body, its joints, its rotors and gravity to the plant; finalize the plant.
 
-        The body's frame is at its joint, along the principal axes.
+        The body's frame is at its joint, along the axes of the record.
         """
         lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the joint to the com
         inertia = drake.SpatialInertia.MakeFromCentralInertia(
@@ -86,7 +87,7 @@ class World:
         self.body = self.plant.AddRigidBody("top", inertia)
         self.slides = []
         world, frame = self.slid(scene), self.body.body_frame()
-        # The joint's angles roll, pitch and yaw turn about the body's own axes.
+        # Roll, pitch and yaw turn the scene's body axes, not the principal axes of the record.
         self.R_frame_own = np.eye(3) if self.is_free else matrix(scene["axes"]).T
         if self.is_free:
             joint = drake.QuaternionFloatingJoint("free", world, frame, scene["drag"])
@@ -100,9 +101,9 @@ class World:
         self.plant.Finalize()
 
     def slid(self, scene):
-        """Return the frame that the body's joint is on: the world's, or that of the last slide.
+        """Return the parent frame of the body's joint: the world's, or that of the last slide.
 
-        The slides, one for each axis along which the body may move, are added here without mass.
+        One slide without mass is added for each axis along which a body on a table may move.
         """
         frame, height = self.plant.world_frame(), [0.0, 0.0, scene.get("height", 0.0)]
         if any(height):
@@ -117,9 +118,12 @@ class World:
         return frame
 
     def add_rotor(self, rotor, lever):
-        """Add a rotor of the record at its place; return its joint.
+        """Add a rotor at its place; return its joint.
 
-        `lever` is the vector from the body's joint to its com, m, axes of the record, (3,).
+        Parameters
+        ----------
+        rotor : the rotor's entry in the record
+        lever : vector from the body's joint to its com, m, in the axes of the record, (3,)
         """
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = rotor_tensor(rotor)
         inertia = drake.SpatialInertia.MakeFromCentralInertia(
@@ -138,14 +142,14 @@ class World:
         return joint
 
     def offset(self, name, frame, place):
-        """Add and return a frame with a given name, at a place in another frame, m, (3,)."""
+        """Add a frame named `name`, at a position in another frame, m, (3,); return it."""
         at = drake.RigidTransform(np.array(place))
         return self.plant.AddFrame(drake.FixedOffsetFrame(name, frame, at))
 
     def restart(self, motion, timestep):
-        """Set another motion, keyed as in the scene's record, and timestep, s.
+        """Set another motion, with the keys of the scene's record, and the timestep, s.
 
-        A plant that steps itself keeps the timestep that it was built with.
+        A discrete plant must have been built with the same timestep.
         """
         self.timestep, self.taken, self.clock = timestep, 0, 0.0
         self.simulator.get_mutable_context().SetTime(0.0)
@@ -173,9 +177,9 @@ class World:
         self.simulator.ResetStatistics()
 
     def slide_to(self, motion):
-        """Set the slides so that the com has the place and velocity of a motion.
+        """Set the slides so that the com has the position and velocity of a motion.
 
-        The attitude must have been set before.
+        `motion` has the keys of the record; its attitude and ω must have been set before.
         """
         body, context = self.body, self.context
         arm = matrix(motion["q"]) @ body.CalcCenterOfMassInBodyFrame(context)
@@ -186,7 +190,10 @@ class World:
             slide.set_translation_rate(context, slide.translation_axis() @ speed)
 
     def motion(self):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
+        """Return the state as one array, (13 + rotors,), in world axes.
+
+        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
+        """
         body, context = self.body, self.context
         pose, moving = body.EvalPoseInWorld(context), body.EvalSpatialVelocityInWorld(context)
         return np.concatenate(
@@ -200,11 +207,11 @@ class World:
         )
 
     def advance(self, steps):
-        """Take steps in one native call, up to the time to which Drake adds up the timesteps.
+        """Take `steps` steps in one native call, up to an end time.
 
-        A discrete plant steps at multiples of the timestep, the first at 0, so it is advanced to a
-        time between two multiples. With any other end time Drake would take a tiny extra step, or
-        one step less.
+        The end time is the sum of the timesteps, added up as Drake does. A discrete plant steps at
+        multiples of the timestep, the first at 0; its end time is between two multiples. With any
+        other end time Drake would take a tiny extra step, or one step less.
         """
         self.taken += steps
         until = (self.taken - 0.5) * self.timestep

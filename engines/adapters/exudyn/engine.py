@@ -1,6 +1,7 @@
 """Exudyn, flexible multibody dynamics with explicit and implicit integrators, in double precision.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 import warnings
@@ -24,26 +25,26 @@ from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession
 
-#: Types of the objects that a scene needs besides joints of rotors.
+#: Types of Exudyn's objects that a scene needs besides joints of rotors.
 KINDS = frozenset({"RigidBody", "Ground", "ConnectorCoordinate", "ConnectorRigidBodySpringDamper"})
-#: Effects that the implicit integrators can simulate. Explicit ones refuse joints between bodies,
-#: and with them rotors; and they get constraints wrong if the com is not at the node, as it is not
-#: for a body on a table.
+#: Effects that the implicit integrators can simulate. The explicit ones refuse joints between
+#: bodies, and so rotors. They also simulate constraints wrongly if the com is not at the body's
+#: node, as for a body on a table.
 IMPLICIT_EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
-#: Most turn of a rotor in a step, rad. An iteration reduces the error by the factor of half the
-#: turn (0.36 at 0.73 rad, measured), so that the 100 iterations that `world` allows reduce it to
-#: 1e-13.
+#: Largest rotation of a rotor in a step, rad, for which Newton's iteration converges. An iteration
+#: multiplies the error by about half the rotation (0.36 at 0.73 rad, measured), so that the 100
+#: iterations that `world` allows reduce it to 1e-13.
 MOST_TURN = 1.5
-#: Types of the joints of rotors, by kind of hinge.
+#: Types of Exudyn's joints for rotors, by kind of hinge.
 HINGES = {"free": "JointRevoluteZ", "driven": "JointRevoluteZ", "locked": "JointGeneric"}
-#: Relative difference allowed of a step's length, because Exudyn adds up the time.
+#: Allowed relative difference of a step's length; Exudyn computes it from a sum of times.
 CLOCK_SLACK = 1e-6
 
 
 def _method(
     name: str, order: int, summary: str, effects: frozenset[str] = COMMON_EFFECTS
 ) -> Method:
-    """Return the method of one of Exudyn's solvers, by the solver's name."""
+    """Return the method that uses one of Exudyn's solvers, named as in `DynamicSolverType`."""
     setup = f"""\
 settings = exudyn.SimulationSettings()
 settings.timeIntegration.endTime = duration
@@ -56,13 +57,14 @@ mbs.SolveDynamic(settings, solverType=exudyn.DynamicSolverType.{name})"""
 class ExudynSession(WorldSession):
     """A session of one body in an Exudyn system.
 
-    The body's node is at the point that is held, or at the com of a free body.
+    The body's node, at which Exudyn has its coordinates, is the point that is held, or the com of a
+    free body.
     """
 
     def world_body(self) -> WorldBody:
-        """Return the body as its object holds it, relative to its node.
+        """Return the body as Exudyn's object holds it, from the node, in the record's axes.
 
-        The com is the place of the marker at which gravity acts.
+        The com is the marker at which gravity acts.
         """
         system, R_axes_node = self.world.system, self.world.R_axes_node
         com = R_axes_node @ system.GetMarker(self.world.com)["localPosition"]
@@ -73,9 +75,9 @@ class ExudynSession(WorldSession):
         return WorldBody(mass, com, inertia_com, arm, rotors)
 
     def _mass_of(self, body: int) -> tuple[float, FloatArray]:
-        """Return the mass of the object with number `body`, kg, and its tensor about its node.
+        """Return the mass, kg, and the tensor about its node, kg m², of the object numbered `body`.
 
-        The tensor is along the axes of the scene's record, kg m², (3, 3).
+        The tensor is in the axes of the scene's record, (3, 3).
         """
         found, R_axes_node = self.world.system.GetObject(body), self.world.R_axes_node
         xx, yy, zz, yz, xz, xy = found["inertia"]
@@ -83,9 +85,10 @@ class ExudynSession(WorldSession):
         return float(found["mass"]), R_axes_node @ of_node @ R_axes_node.T
 
     def _rotor(self, rotor: Any) -> HeldRotor:
-        """Return a rotor, given its numbers in the system, where the joint puts it on the body.
+        """Return a rotor in the pose that its joint gives it relative to the body.
 
-        This is the pose in which the joint's frames in the body and in the rotor coincide.
+        In this pose the joint's frame on the rotor coincides with that on the body. `rotor` has the
+        numbers of the rotor's objects in the system (`Rotor` in `world.py`).
         """
         system, R = self.world.system, self.world.R_axes_node
         joint = system.GetObject(rotor.joint)
@@ -94,28 +97,28 @@ class ExudynSession(WorldSession):
         )
         place = in_body @ np.linalg.inv(in_rotor)
         mass, tensor = self._mass_of(rotor.body)
-        # At the start both have the same axes; the joint turns the rotor against the body by
-        # `place`.
+        # At the start the nodes of body and rotor have the same axes. The joint would turn the
+        # rotor against the body by the rotation in `place`.
         turn = R @ place[:3, :3] @ R.T
         turns = joint["objectType"] == HINGES["free"]
         axis = R @ in_body[:3, 2] if turns else np.zeros(3)
         return HeldRotor(mass, R @ place[:3, 3], turn @ tensor @ turn.T, axis)
 
-    #: Why the solver gave up; empty as long as it has not.
+    #: Why the solver gave up; empty if it has not.
     _trouble = ""
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state; see `Session.restart`."""
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`)."""
         self._trouble = ""
         super().restart(state, timestep)
 
     def advance(self, steps: int) -> None:
-        """Let the world take steps; check their number and length by Exudyn's clock.
+        """Let the world take steps; check their number and length by Exudyn's own counts.
 
         Raises
         ------
         EngineError
-            If the solver gave up, or the steps are not those that were to be taken.
+            If the solver gave up, or took steps of another number or length.
         """
         try:
             self.world.advance(steps)
@@ -129,8 +132,8 @@ class ExudynSession(WorldSession):
         ):
             words = f"Exudyn took {taken} steps, the last of {last!r} s"
             words = f"{words}, not {steps} of {self.timestep!r} s"
-            # As shipped it halves a step that fails to converge, which it would not do at a shorter
-            # timestep.
+            # As shipped, Exudyn halves a step that fails to converge. A shorter timestep removes
+            # this, so that the cause is not the clock.
             if not (self.world.as_shipped and taken > steps):
                 raise EngineError(words, "clock")
             self._trouble = words
@@ -142,7 +145,7 @@ class ExudynSession(WorldSession):
             raise EngineError(self._trouble, "warning")
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, by the loads and objects of the system."""
+        """Return what acts on the body, as found in the loads and objects of the system."""
         system = self.world.system
         numbers = system.systemData
         loads = [self._of_load(system.GetLoad(k)) for k in range(numbers.NumberOfLoads())]
@@ -168,9 +171,9 @@ class ExudynSession(WorldSession):
         return frozenset(acting | {f"an object of type {kind}" for kind in {*kinds} - KINDS})
 
     def _wrong_hinges(self, objects: Sequence[Any]) -> Iterator[str]:
-        """Yield in words how joints and drives of rotors differ from what the scene states.
+        """Yield, in words, how joints and drives of rotors differ from what the scene states.
 
-        `objects` are all objects of the system, by their numbers.
+        `objects` are all objects of the system, in the order of their numbers.
         """
         described = zip(self.scene["rotors"], self.world.rotors, self.world.spins_set, strict=True)
         for number, (wanted, rotor, spin) in enumerate(described, start=1):
@@ -186,10 +189,10 @@ class ExudynSession(WorldSession):
                     yield f"rotor {number} driven to another spin than {spin:g} rad/s"
 
     def _of_constraints(self, objects: Sequence[Any]) -> set[str]:
-        """Return the effect, pivot or table, that the constrained coordinates implement, as a set.
+        """Return which effect the constraints on the node's coordinates implement, as a set.
 
-        The set is empty if no coordinate is constrained. If the constrained coordinates implement
-        neither effect, it has a description of them.
+        It is {"pivot"}, {"table"}, or empty if no coordinate is constrained. If they implement
+        neither effect, the set has a description of them.
 
         Parameters
         ----------
@@ -207,9 +210,9 @@ class ExudynSession(WorldSession):
         return kinds.get((*constrained,), {f"other constrained coordinates: {constrained}"})
 
     def _of_load(self, found: Any) -> str:
-        """Return the name of the effect that a load implements, or a description of the load.
+        """Return the name of the effect that a load implements.
 
-        A load of another size or direction than the scene's effect is described.
+        If its vector is not that of the scene's effect, a description of the load is returned.
         """
         vector, scene, system = np.array(found["loadVector"]), self.scene, self.world.system
         if found["loadType"] == "ForceVector":
@@ -222,9 +225,9 @@ class ExudynSession(WorldSession):
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
     def _of_damper(self, found: Any) -> str:
-        """Return "drag" if a connector is the scene's drag, else a description of it."""
+        """Return "drag" if a connector is exactly the scene's drag, else a description of it."""
         damping = np.diag(found["damping"])
-        # A node's rotational coordinates come last.
+        # A node's rotational coordinates come last, but `damped_by` takes them first.
         (name,) = self.damped_by(np.roll(damping, 3).tolist())
         is_damper = np.array_equal(found["damping"], np.diag(damping))
         return name if is_damper and not np.any(found["stiffness"]) else "a spring or damper"
@@ -235,7 +238,7 @@ class ExudynSession(WorldSession):
 
 
 def _check_turns(scenario: Scenario, timestep: float) -> None:
-    """Raise `UnsupportedError` if a rotor turns too far in a step for Newton's iteration."""
+    """Raise `UnsupportedError` if a rotor may turn by more than `MOST_TURN` in a step."""
     omega = float(np.linalg.norm(scenario.start.omega_body))
     fastest = omega + float(np.abs(scenario.rotors.start_spins).max())
     if fastest * timestep > MOST_TURN:
@@ -251,24 +254,24 @@ def _check_turns(scenario: Scenario, timestep: float) -> None:
 class Exudyn(WorldEngine):
     """The engine Exudyn, with the body on a Lie-group node, and rotors on joints.
 
-    A pivot is three constrained coordinates.
+    A pivot is implemented by constraints on the three coordinates of the node's position.
     """
 
     session = ExudynSession
     name = "exudyn"
     package = "exudyn"
-    # Default of SimulationSettings: a hundred steps to an end time of 1 s.
+    # The defaults of SimulationSettings are a hundred steps and an end time of 1 s.
     stock_timestep = 0.01
-    # Orders as in its manual, "Explicit solvers" and "Implicit solvers"; measured in
-    # docs/measured/engines-more.md.
+    # Orders are those of Exudyn's manual, "Explicit solvers" and "Implicit solvers"; they were
+    # confirmed by measurement (docs/measured/engines-more.md).
     methods = (
         _method("ExplicitEuler", 1, "explicit Euler, the attitude by the exponential map"),
         _method("ExplicitMidpoint", 2, "explicit midpoint rule"),
         _method("RK33", 3, "Runge-Kutta of third order"),
         _method("RK44", 4, "Runge-Kutta of fourth order"),
         _method("RK67", 6, "Runge-Kutta of sixth order, seven stages"),
-        # Of second order except with rotors: its first accelerations leave out how their joints
-        # turn, so that a step from a state has errors of first order, which alternate in a run.
+        # Second order without rotors. With rotors, the accelerations at the start leave out that
+        # the joints turn: a first step has an error of first order, which alternates in a run.
         _method(
             "TrapezoidalIndex2",
             1,
@@ -286,12 +289,12 @@ class Exudyn(WorldEngine):
     )
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Assemble the system, and return a session at the start.
+        """Assemble the system with the scene at its start; return the session.
 
         Raises
         ------
         UnsupportedError
-            If a rotor turns too far in a step, except in the method as shipped.
+            If a rotor turns too far in a step; not raised by the method as shipped.
         EngineError
             If Exudyn prints an error.
         """

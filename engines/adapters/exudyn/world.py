@@ -13,11 +13,10 @@ items = exudyn.itemInterface
 AS_SHIPPED = "GeneralizedAlpha"
 #: Integrators that solve for the accelerations at the end of a step.
 IMPLICIT = (AS_SHIPPED, "TrapezoidalIndex2")
-#: Tolerances of Newton's iteration, relative and in units of the residual; Exudyn's defaults are
-#: 1e-8 and 1e-10.
+#: Relative and absolute tolerance of Newton's iteration; Exudyn's defaults are 1e-8 and 1e-10.
 NEWTON_TOLERANCE = 1e-13
 OF_TRAPEZOIDAL_RULE = {
-    # As Exudyn's own SolveDynamic sets them for this solver name.
+    # Exudyn's own SolveDynamic sets these two for the trapezoidal rule.
     "generalizedAlpha.useIndex2Constraints": True,
     "generalizedAlpha.useNewmark": True,
     # Solved to round-off with a new Jacobian each step, so that a step depends on the state alone.
@@ -27,22 +26,27 @@ OF_TRAPEZOIDAL_RULE = {
     # A rotor that turns by a radian a step takes more iterations than the default of 25.
     "newton.maxIterations": 100,
 }
-#: Rounding errors allowed in a residual, which adds up a body's torque in its own axes, ω x I ω,
-#: and a joint's force. With 64 the solver gave up on a rotor at 600 rad/s on a table.
+#: Rounding error allowed in the residual of a rotor, relative to the size of its terms, which are
+#: the torque ω x I ω and a joint's force. With 64 in place of 256 the solver gave up on a rotor at
+#: 600 rad/s on a table.
 ROUNDING = 256 * float(np.finfo(float).eps)
-#: Rotations between the body's axes and those of its node: the same axes in each cyclic order.
+#: The three rotations that the node's axes may have relative to the body's: cyclic orders of the
+#: same axes.
 TURNED = [np.roll(np.eye(3), k, axis=0) for k in range(3)]
-#: Entries of an inertia tensor, in the order in which objects take them.
+#: Indices of the entries of an inertia tensor, in the order in which Exudyn's objects take them.
 ENTRIES = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
-#: A rotor in the system: the numbers of its node, object, joint and drive; and its place from the
-#: com of the body, m, and its axis, both along the axes of the record. The drive is None if the
+#: A rotor in the system: the numbers of its node, object, joint and drive, then its position from
+#: the com of the body, m, and its axis, both in the axes of the record. The drive is None if the
 #: hinge is free or locked.
 Rotor = namedtuple("Rotor", "node body joint drive place axis")
 
 
 def settings(solver):
-    """Return Exudyn's settings for the solver of a given name; steps are halved only as shipped."""
+    """Return Exudyn's settings for the solver of a given name.
+
+    Only the solver as shipped may halve steps.
+    """
     own = OF_TRAPEZOIDAL_RULE if solver == "TrapezoidalIndex2" else {}
     steady = {} if solver == AS_SHIPPED else {"adaptiveStep": False}
     simulation = exudyn.SimulationSettings()
@@ -56,19 +60,19 @@ def settings(solver):
 
 
 class World:
-    """One body on a Lie-group node, held by constrained coordinates; its rotors are on joints.
+    """One body on a Lie-group node, held by constraints on coordinates; its rotors are on joints.
 
-    Explicit solvers eliminate constraints wrongly for an object whose com is not at its node. So
-    for a body on a pivot the node is at the pivot, and the object has its com there, and its tensor
-    about it; gravity is a force on a marker at the true com. On a table the node is at the tip,
-    because constraints of other points begin with wrong forces, about which the trapezoidal rule
-    oscillates; there the object has the true com.
+    Explicit solvers eliminate constraints wrongly for an object whose com is not at its node. So a
+    body on a pivot has its node there, and its object states the pivot as its com and the tensor
+    about the pivot; gravity is a force on a marker at the true com. A body on a table has its node
+    at the tip, and its object states the true com. Were another point constrained, the constraint's
+    first forces would be wrong, and the trapezoidal rule would oscillate about the right ones.
 
     Parameters
     ----------
     scene : the scene's record
     method : name of the method
-    timestep : s
+    timestep : length of the steps, s
     """
 
     def __init__(self, scene, method, timestep):
@@ -83,13 +87,13 @@ class World:
         self.restart(scene, timestep)
 
     def face(self, R_world_axes):
-        """Build the system anew if another choice of the node's axes suits an attitude better.
+        """Choose the node's axes for an attitude at the start; rebuild the system if they change.
 
         Exudyn composes rotation vectors with an arc cosine, which loses half the digits of a small
         vector: in a run that started along the world's axes, rotations of less than 1.5e-8 rad a
-        step were lost. So the node's axes are the body's axes in the order that is furthest from
-        the world's at the start. Errors with joints depend on these axes, so that a restart must
-        build the system again on the axes that suit the new attitude.
+        step were lost. So the node's axes are the body's axes in the cyclic order that is turned
+        furthest from the world's axes at the start. Errors with joints depend on this choice, so
+        that a restart must make it anew.
 
         Parameters
         ----------
@@ -113,7 +117,7 @@ class World:
         self.container.Reset()
 
     def assemble(self, scene):
-        """Add the body to the system, with what holds it and acts on it, and its rotors."""
+        """Add the body to the system, with its constraints, loads, damper and rotors."""
         system, R = self.system, self.R_axes_node
         lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the node to the com
         about_node = scene["mass"] * (lever @ lever * np.eye(3) - np.outer(lever, lever))
@@ -147,7 +151,7 @@ class World:
 
         Parameters
         ----------
-        part : the record of the scene or of a rotor, whose `mass` is used
+        part : the record of the scene, or a rotor's entry in it; only `mass` is used
         tensor : tensor of inertia about the node, in the node's axes, kg m², (3, 3)
         com : position of the com from the node, in the node's axes, m, (3,)
         """
@@ -166,9 +170,12 @@ class World:
         return node, body, marker
 
     def add_rotor(self, rotor, lever):
-        """Add a rotor on its hinge, and its drive if it is driven; return its `Rotor`.
+        """Add a rotor on its hinge, with a drive if it is driven; return its `Rotor`.
 
-        `lever` is the vector from the node to the com, m, axes of the record.
+        Parameters
+        ----------
+        rotor : the rotor's entry in the record
+        lever : vector from the body's node to its com, m, in the axes of the record, (3,)
         """
         system, R = self.system, self.R_axes_node
         node, body, _ = self.add_body(rotor, R.T @ rotor_tensor(rotor) @ R, np.zeros(3))
@@ -192,12 +199,13 @@ class World:
         return Rotor(node, body, joint, drive, np.array(rotor["place"]), axis)
 
     def drive(self, rotor, place, axis):
-        """Constrain a rotor's angular velocity relative to the body; return the object's number.
+        """Constrain a rotor's spin; return the number of the constraint's object.
 
         Parameters
         ----------
         rotor : number of the rotor's object
-        place, axis : place of the hinge, m, and its axis, in the body's node's axes, (3,)
+        place : position of the hinge from the body's node, m, in the node's axes, (3,)
+        axis : axis of the hinge, in the node's axes, (3,)
         """
         system = self.system
         turn = items.MarkerBodiesRelativeRotationCoordinate(
@@ -214,7 +222,7 @@ class World:
         return self.system.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
 
     def hold(self):
-        """Constrain the coordinates of the node's position except those that may slide."""
+        """Constrain the node's position along all axes except those along which it may slide."""
         still = self.still()
         for k in self.kept_axes:
             pinned = items.MarkerNodeCoordinate(nodeNumber=self.node, coordinate=k)
@@ -222,9 +230,12 @@ class World:
             self.system.AddObject(items.ObjectConnectorCoordinate(markerNumbers=pair))
 
     def restart(self, motion, timestep):
-        """Set another motion, keyed as in the scene's record, and timestep, s.
+        """Set another motion and timestep, and initialize the solver.
 
-        A new run of the solver begins, in a system that is built anew if `face` decides so.
+        Parameters
+        ----------
+        motion : a motion with the keys of the scene's record
+        timestep : length of the steps from now on, s
         """
         self.timestep = timestep
         R_world_axes, omega = matrix(motion["q"]), np.array(motion["omega"])
@@ -247,28 +258,28 @@ class World:
             if rotor.drive is not None:
                 self.system.SetObjectParameter(rotor.drive, "offset", spin)
         self.system.Assemble()
-        # The generalised-α solver begins with the accelerations that the system holds.
+        # The generalised-α solver would begin with the accelerations of the last step.
         accelerations = self.system.systemData.GetODE2Coordinates_tt()
         self.system.systemData.SetODE2Coordinates_tt(0 * accelerations)
         self.settings.timeIntegration.endTime = timestep
         if not self.as_shipped:
-            # The terms of a small body's residual are small, too, and so must be the tolerance.
+            # The residual of a small body has small terms: the tolerance must be as small.
             least = NEWTON_TOLERANCE * min(1.0, self.terms(self.body, omega, np.zeros(3), omega))
             newton = self.settings.timeIntegration.newton
             newton.absoluteTolerance = least + ROUNDING * of_rotors
         self.solver.InitializeSolver(self.system, self.settings)
 
     def terms(self, body, turning, place, omega):
-        """Return the size of the terms that a body or rotor adds to the solver's residual.
+        """Return the size of the terms that the body or a rotor adds to the solver's residual.
 
-        It is a torque, N m, plus a force, N. The torque is I ω², the size of terms that cancel if
-        the body turns about a principal axis.
+        It is the sum of a torque, N m, and a force, N. The torque is I ω², the size of the terms
+        of ω x I ω, which cancel in a turn about a principal axis.
 
         Parameters
         ----------
-        body : number of its object
-        turning : its angular velocity, rad/s, (3,)
-        place : vector from the body's com to its own, m, (3,)
+        body : number of the object of the body or rotor
+        turning : angular velocity of this object, rad/s, (3,)
+        place : vector from the com of the body to the com of this object, m, (3,)
         omega : angular velocity of the body, rad/s, (3,)
         """
         found = self.system.GetObject(body)
@@ -283,7 +294,9 @@ class World:
         ----------
         node : number of the node
         R_world_node : the attitude, node to world, (3, 3)
-        omega, place, velocity : rad/s, m and m/s, world axes, (3,) each
+        omega : angular velocity, rad/s, world axes, (3,)
+        place : position of the node, m, world axes, (3,)
+        velocity : velocity of the node, m/s, world axes, (3,)
         """
         start = {
             "referenceCoordinates": [*place, *rotation_vector(quaternion(R_world_node))],
@@ -293,7 +306,7 @@ class World:
             self.system.SetNodeParameter(node, name, coordinates)
 
     def spins(self, omega, R_world_axes):
-        """Return the spins of rotors: rates about their axes, relative to the body, rad/s.
+        """Return the rotors' angular velocities about their axes, relative to the body, rad/s.
 
         Parameters
         ----------
@@ -305,7 +318,10 @@ class World:
         return [(R_world_axes @ rotor.axis) @ (of_rotor - omega) for rotor, of_rotor in each]
 
     def motion(self):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
+        """Return the state as one array, (13 + rotors,), in world axes.
+
+        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
+        """
         of_node, of_marker = self.system.GetNodeOutput, self.system.GetMarkerOutput
         names = exudyn.OutputVariableType
         R_world_node = np.array(of_node(self.node, names.RotationMatrix)).reshape(3, 3)
@@ -324,10 +340,10 @@ class World:
     def advance(self, steps):
         """Take steps in one native loop; Exudyn's clock starts at 0 in each call and adds up steps.
 
-        The end time is added up in the same way: at the product steps · timestep, a fraction of a
-        step might remain. Except as shipped, where steps may be halved, it is then set half a step
-        earlier. Exudyn does not shorten the last step; without this margin it took one step too
-        many in a run to 1e6 s, as if the sum had not been reached.
+        The end time is added up in the same way, since rounding of the product steps · timestep
+        might leave a fraction of a step. It is then set half a step earlier, except as shipped,
+        where steps may be halved. Exudyn does not shorten the last step; without this margin it
+        took one step too many in a run to 1e6 s, as if the end time had not been reached.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Where Genesis and its compiler keep what they make: in spincheck's folder of the user's cache."""
+"""Sets the folders, in the user's cache, in which Genesis and its compiler store kernels."""
 
 import os
 from collections.abc import Iterator
@@ -7,16 +7,16 @@ from contextlib import contextmanager
 from ...native_output import silent
 from ...user_cache import user_cache
 
-#: The environment variables by which Genesis and its compiler find their caches, and the name of
-#: the folder for each. A variable that the user has set is left as it is.
+#: Environment variables that name the cache folders of Genesis and of its compiler, each with the
+#: name of the folder in the user's cache. A variable that the user has set is left as it is.
 FOLDERS = {"GS_CACHE_FILE_PATH": "genesis", "QD_OFFLINE_CACHE_FILE_PATH": "quadrants"}
 
 
 @contextmanager
 def kernels_kept() -> Iterator[None]:
-    """Keep the kernels that Genesis compiles inside the block, and discard what it prints.
+    """Keep kernels that Genesis compiles inside the block in the user's cache; discard all output.
 
-    Later processes load the kernels from the user's cache.
+    Later processes load the kernels from the cache.
     """
     for variable, name in FOLDERS.items():
         os.environ.setdefault(variable, str(user_cache() / name))

@@ -1,6 +1,7 @@
 """Genesis's rigid solver, in single precision, on the CPU.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,7 +27,7 @@ from ...world_session import RecordBatch, WorldSession
 from .caches import kernels_kept
 from .model_reader import GenesisModelReader
 
-#: Relative rounding of numbers in single precision.
+#: Relative tolerance of numbers that were rounded to single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
 SETUP = """\
 rigid = gs.options.RigidOptions(integrator=gs.integrator.{}, disable_constraint=True)
@@ -35,10 +36,10 @@ scene = gs.Scene(sim_options=gs.options.SimOptions(dt=TIMESTEP), rigid_options=r
 
 @final
 class GenesisSession(WorldSession):
-    """A session of one body in a Genesis scene of its own; the body's frame is at its joint."""
+    """A session of one body in a Genesis scene of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, relative to its joint."""
+        """Return the body as the solver holds it, from the joint, in the record's axes."""
         links = self.world.solver.dyn_info.links
         mass, com, tensor, q = (
             getattr(links, f"inertial_{name}").to_numpy()[-1].astype(float)
@@ -56,7 +57,7 @@ class GenesisSession(WorldSession):
         gravity = solver.get_gravity().numpy().astype(float).ravel()
         wanted = push({**self.scene, "drag": 0.0}, matrix(motion[:4]), motion[4:7])
         world.push()
-        # Genesis counts a load on a link as negative.
+        # Genesis stores the torque on a link with the opposite sign.
         torque = -solver.dyn_state.links.cfrc_applied_ang.to_numpy()[-1, 0].astype(float)
         solver.clear_external_force()
         damping = solver.get_dofs_damping().numpy().astype(float).ravel().tolist()
@@ -91,7 +92,7 @@ class GenesisSession(WorldSession):
 
 @final
 class GenesisBatch(RecordBatch):
-    """A batch of bodies in the worlds of one Genesis scene."""
+    """A batch whose worlds are those of one Genesis scene."""
 
     def advance(self, steps: int) -> None:
         """Take steps; raise `EngineError` if a state of any world is no longer finite."""
@@ -104,13 +105,13 @@ class GenesisBatch(RecordBatch):
         super().close()
 
 
-#: What Genesis says where a state is no longer finite.
+#: Words in Genesis's message that a state is no longer finite.
 NOT_FINITE = "causing 'nan'"
 
 
 @contextmanager
 def errors_told() -> Iterator[None]:
-    """Raise exceptions of Genesis's own type inside the block as `EngineError`."""
+    """Raise as `EngineError` any exception of Genesis's own type that is raised in the block."""
     genesis = import_module("genesis")
     try:
         yield
@@ -120,14 +121,14 @@ def errors_told() -> Iterator[None]:
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
-    """Return the method of one of Genesis's integrators, by its name."""
+    """Return the method that uses Genesis's integrator of the same name, or its default one."""
     setup = "" if as_shipped else SETUP.format(name)
     return Method(name, 1, 1, summary, COMMON_EFFECTS, as_shipped=as_shipped, setup=setup)
 
 
 @final
 class Genesis(WorldEngine):
-    """The engine Genesis, with the body on a free or ball joint; methods are its integrators."""
+    """The engine Genesis, with the body on a free or ball joint; each integrator is a method."""
 
     session = GenesisSession
     reader = GenesisModelReader()
@@ -149,11 +150,14 @@ class Genesis(WorldEngine):
         return version("genesis-world")
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Return a session of a built scene; the user's cache keeps compiled kernels."""
+        """Return a session of a new Genesis scene.
+
+        Kernels that are compiled are stored in the user's cache.
+        """
         with kernels_kept():
             return super().open(scenario, method, timestep)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """Open a batch with one world of a Genesis scene for each of the scenes."""
+        """Open a batch as one Genesis scene, with a world for each of `scenarios`."""
         with kernels_kept():
             return GenesisBatch(f"{__package__}.world", scenarios, method.name, timestep)

@@ -15,14 +15,14 @@ from ...world_parts import matrix
 from .caches import kernels_kept
 
 UNMERGED = "unmerged"
-#: Mass, kg, that Genesis gives to links without mass: the relative ulp of single precision.
+#: Mass, kg, that Genesis gives to links without mass: the machine epsilon of single precision.
 PLACEHOLDER = float(np.finfo(np.float32).eps)
 IMPOSSIBLE = Advice("correct the masses and tensors that no body has", concerns="impossible")
 
 
 @final
 class GenesisModelReader(ModelReader):
-    """A reader by `gs.morphs.URDF` and `gs.morphs.MJCF`; its bodies are those of a built scene.
+    """A reader of model files by `gs.morphs.URDF` and `gs.morphs.MJCF` of Genesis.
 
     Meshes are read only for links whose inertia comes from them.
     """
@@ -38,11 +38,11 @@ class GenesisModelReader(ModelReader):
 
     @property
     def version(self) -> str:
-        """Version of the installed distribution."""
+        """The version of the installed distribution."""
         return version("genesis-world")
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Return the bodies of a file after a scene of it was built."""
+        """Build a Genesis scene from a file; return its bodies, by the names of their links."""
         with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             gs: Any = import_module(f"{__package__}.world").gs
             path = laid_out(model, Path(folder))
@@ -56,7 +56,7 @@ class GenesisModelReader(ModelReader):
                 there.add_entity(morph)
                 there.build()
                 return _bodies(there.rigid_solver)
-            # An importer may raise anything; the first line says what.
+            # An importer may raise anything; the first line of the message says what is wrong.
             except Exception as error:
                 words = str(error).partition("\n")[0].replace(f"{folder}/", "")
                 words = words or type(error).__name__
@@ -66,9 +66,9 @@ class GenesisModelReader(ModelReader):
 
 
 def _bodies(solver: Any) -> dict[str, BodyReading]:
-    """Return the bodies of a built scene, by the links' names.
+    """Return the bodies of a built scene, by the names of their links.
 
-    Genesis gives a link without mass a placeholder, which is returned as 0.
+    A mass that Genesis has given to a link without mass (`PLACEHOLDER`) is returned as 0.
     """
     links = solver.dyn_info.links
     arrays = (getattr(links, f"inertial_{name}") for name in ("mass", "pos", "quat", "i"))

@@ -13,8 +13,8 @@ with warnings.catch_warnings(action="ignore"):
 
     gs.init(backend=gs.cpu, precision="32", logging_level="error")
 sys.excepthook = hook
-#: Options that switch off passes, which no scene needs; and one that keeps Genesis from giving an
-#: armature to joints that have none.
+#: Options that switch off passes that no scene needs; and the option with which joints get no
+#: armature by default.
 OFF = {"enable_collision": False, "enable_joint_limit": False, "disable_constraint": True}
 WITHOUT_ARMATURE = {"default_armature": None}
 MJCF = """\
@@ -29,12 +29,12 @@ MJCF = """\
 
 
 def texts(numbers):
-    """Return numbers as one text, separated by spaces, as an attribute of MJCF has them."""
+    """Return numbers as one text, separated by spaces, as in an attribute of MJCF."""
     return " ".join(map(repr, map(float, numbers)))
 
 
 def lever_of(scene):
-    """Return the vector from the joint to the com, m, axes of the record, (3,)."""
+    """Return the vector from the body's joint to its com, m, in the axes of the record, (3,)."""
     return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
 
@@ -49,24 +49,24 @@ def mjcf(scene):
 
 
 class World:
-    """One body, in one world or in several.
+    """A Genesis scene of one body, in one world or in several.
 
     Parameters
     ----------
     scene : the scene's record
     method : name of the method
-    timestep : s
-    others : the records of the scenes of more worlds; gravity, drag and torques of all worlds are
-        those of `scene`
+    timestep : length of the steps, s
+    others : records of more scenes, each a further world; gravity, drag and torques of all worlds
+        are those of `scene`
     """
 
     def __init__(self, scene, method, timestep, others=()):
         self.scene, self.scenes = scene, [scene, *others]
         self.is_free = scene["arm"] is None
         bodies = list(dict.fromkeys(map(mjcf, self.scenes)))
-        # Kernels for worlds with bodies of their own round otherwise, so that they are used only
-        # where bodies differ. Such bodies are not aligned to their principal axes, because Genesis
-        # then refuses to change them.
+        # The option batch_links_info allows another body in each world, but its kernels round
+        # otherwise: it is set only if bodies differ. Genesis refuses to change a body that it has
+        # aligned to its principal axes, so that align is then off.
         options, morph = ({"batch_links_info": True}, {"align": False}) if bodies[1:] else ({}, {})
         if method != "default":
             options |= {"integrator": getattr(gs.integrator, method), **OFF}
@@ -87,7 +87,7 @@ class World:
         self.start(self.scenes)
 
     def set_bodies(self):
-        """Set mass, com and tensor of the body in each world to those of the world's scene."""
+        """Set in each world the mass, com and tensor of the body to those of the world's scene."""
         link = [self.solver.n_links - 1]
         rows = [(one["mass"], lever_of(one), np.diag(one["moments"])) for one in self.scenes]
         mass, com, tensor = (
@@ -98,16 +98,19 @@ class World:
         self.solver.set_links_inertia(tensor, link)
 
     def restart(self, motion, timestep):
-        """Set another motion, keyed as in the scene's record, or a list with one for each world.
+        """Set another motion and timestep; nothing of earlier steps is left.
 
-        `timestep` is that of the steps from now on, s; earlier steps are forgotten.
+        Parameters
+        ----------
+        motion : a motion with the keys of the scene's record, or a list with one for each world
+        timestep : length of the steps from now on, s
         """
         self.there.reset()
         self.solver.rigid_info.substep_dt.fill(timestep)
         self.start(motion if isinstance(motion, list) else [motion])
 
     def start(self, motions):
-        """Set the motions of all worlds, one for each."""
+        """Set the motion of each world, given a list with one motion for each."""
         pairs = [self.coordinates(motion) for motion in motions]
         with np.errstate(over="ignore"):
             q, qd = (np.array(part, np.float32) for part in zip(*pairs, strict=True))
@@ -115,22 +118,25 @@ class World:
         self.solver.set_dofs_velocity(qd)
 
     def coordinates(self, motion):
-        """Return the joint's coordinates at a motion, and its velocities, as two lists.
+        """Return the coordinates and the velocities of the body's joint, as two lists.
 
-        Those of a free joint are com, m, and attitude, w x y z; the com's velocity, m/s, world
-        axes, and ω, rad/s, body axes. A ball joint has only attitude and ω.
+        The coordinates of a free joint are com, m, and attitude, w x y z. Its velocities are that
+        of the com, m/s, world axes, and ω, rad/s, body axes. A ball joint has only attitude and ω.
         """
         place, velocity = (motion["com"], motion["velocity"]) if self.is_free else ((), ())
         omega = matrix(motion["q"]).T @ motion["omega"]
         return [*place, *motion["q"]], [*velocity, *omega]
 
     def motion(self):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, (13,)."""
+        """Return the state of the first world as one array, (13,), in world axes.
+
+        It has the attitude, w x y z, ω, rad/s, the com, m, and its velocity, m/s.
+        """
         (motion,) = self.motions([0])
         return motion
 
     def motions(self, worlds):
-        """Return the motions of the worlds with given indices, each as `motion` gives it."""
+        """Return a list of the states of the worlds with given indices, each in `motion`'s form."""
         q, qd = (
             numbers.numpy().astype(float)
             for numbers in (self.solver.get_qpos(), self.solver.get_dofs_velocity())
@@ -138,7 +144,14 @@ class World:
         return [self.motion_of(self.scenes[k], q[k], qd[k]) for k in worlds]
 
     def motion_of(self, scene, q, qd):
-        """Return the motion, as `motion` does, for coordinates q and velocities qd of the joint."""
+        """Return the state of one world as an array, (13,), with the numbers of `motion`.
+
+        Parameters
+        ----------
+        scene : the record of the world's scene
+        q : coordinates of the body's joint
+        qd : velocities of the joint
+        """
         R = matrix(q[-4:])
         omega = R @ qd[-3:]
         if self.is_free:
@@ -147,9 +160,9 @@ class World:
         return np.concatenate([q, omega, com, np.cross(omega, com)])
 
     def push(self):
-        """Set the scene's constant torques on the bodies for one step.
+        """Apply the scene's constant torques to the bodies for one step.
 
-        Drag is a damping of the joint instead.
+        Drag is left out: it is implemented as damping of the joint.
         """
         link = [self.solver.n_links - 1]
         for torque, is_local in (
@@ -163,7 +176,7 @@ class World:
                 )
 
     def advance(self, steps):
-        """Take steps."""
+        """Take `steps` steps."""
         for _ in range(steps):
             self.push()
             self.there.step(update_visualizer=False)

@@ -1,7 +1,6 @@
-"""MJX, MuJoCo's dynamics written in JAX, on the CPU.
+"""MJX, MuJoCo's dynamics written in JAX, on the CPU, in single precision and in double precision.
 
-In single precision, as JAX is by default, and in double precision. How each effect was measured:
-docs/measured/engines-more.md.
+Single precision is JAX's default. docs/measured/engines-more.md says how each effect was measured.
 """
 
 from .engine import MJX, MJXSingle

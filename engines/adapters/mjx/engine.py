@@ -1,4 +1,4 @@
-"""MJX in both precisions: the scene as MJCF, MuJoCo's integrators as JAX compiles them."""
+"""MJX in both precisions: the scene is MJCF, and JAX compiles MuJoCo's integrators."""
 
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -14,12 +14,12 @@ from ..mujoco.session import check_not_too_small
 from .script import SPRINGS, script
 from .session import MJXSession, batch
 
-#: Torques along the world's axes act wrongly on a free body: docs/measured/engines-more.md.
+#: A torque fixed in the world acts wrongly on a free body (docs/measured/engines-more.md).
 EFFECTS = (COMMON_EFFECTS - {"torque_world"}) | {"rotors", "table"}
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    """Return the method of one of MuJoCo's integrators, by its name in MJCF."""
+    """Return the method that uses one of MuJoCo's integrators, named as in MJCF."""
     return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 
@@ -44,16 +44,16 @@ class MJX(Engine):
 
     @property
     def version(self) -> str:
-        """The versions of the package and of the MuJoCo that compiles its models."""
+        """The version of the package `mujoco-mjx`, and of the MuJoCo that compiles its models."""
         return f"{version('mujoco-mjx')} (MuJoCo {mujoco.mj_versionString()})"
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Compile the scene's MJCF for MJX, and the step by JAX; return the session."""
+        """Compile the scene's MJCF by MuJoCo, and MJX's step by JAX; return the session."""
         text = self._text(scenario, method)
         return MJXSession(scenario, text, timestep, is_double=not self.single_precision)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """Open a batch that `jax.vmap` steps; each different scene's MJCF is compiled once."""
+        """Open a batch that `jax.vmap` steps; the MJCF of equal scenes is compiled once."""
         different = dict.fromkeys(scenarios)
         texts = {scenario: self._text(scenario, method) for scenario in different}
         return batch(scenarios, texts, timestep, is_double=not self.single_precision)
@@ -69,7 +69,7 @@ class MJX(Engine):
         return mjcf(scenario, self.stock_timestep, integrator, passes)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
-        """Return the MJCF, and the few calls that step it, as Python."""
+        """Return a Python script with the scene's MJCF and the few calls that step it."""
         integrator = None if method.as_shipped else method.name
         return script(scenario, integrator, timestep, is_double=not self.single_precision)
 

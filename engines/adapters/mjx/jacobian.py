@@ -1,4 +1,4 @@
-"""The Jacobian of steps of MJX, as `jax.jacfwd` and `jax.jacrev` give it."""
+"""The Jacobian of MJX's steps, computed by `jax.jacfwd` or `jax.jacrev`."""
 
 from functools import cache
 from typing import Any
@@ -12,14 +12,14 @@ from .world import in_precision, one_step
 
 @cache
 def _compiled(trees: Any, way: str) -> Any:
-    """Return a compiled function that gives the Jacobian of steps, and qpos and qvel after them.
+    """Return a compiled function that returns the Jacobian of some steps, and the state after them.
 
-    Its arguments are the number of steps, qpos and qvel before them in one array, and the arrays of
-    the model and of the data.
+    Its arguments are the number of steps, the state before them, and the lists of arrays of MJX's
+    model and of its data. A state is qpos and qvel in one array.
 
     Parameters
     ----------
-    trees : structures of the model and of the data, as JAX's trees
+    trees : structures (JAX's "treedef") of MJX's model and of its data
     way : JAX's mode, "jacfwd" or "jacrev"
     """
     model_tree, data_tree = trees
@@ -33,15 +33,21 @@ def _compiled(trees: Any, way: str) -> Any:
         return after, after
 
     made = getattr(jax, way)(stepped, argnums=1, has_aux=True)
-    # Reverse mode only goes through loops whose length the compiler knows.
+    # JAX's reverse mode needs loops whose length is known when they are compiled.
     return jax.jit(made, static_argnums=0 if way == "jacrev" else ())
 
 
 def jacobian(world: Any, way: str, steps: int) -> tuple[Any, Any]:
-    """Return qpos and qvel after the next steps of a world, (n,), and their Jacobian, (n, n).
+    """Return the state after the next steps of a world, (n,), and its Jacobian, (n, n).
 
-    The Jacobian is by qpos and qvel before the steps; `way` is JAX's mode, "jacfwd" or "jacrev".
-    The world itself takes no step.
+    A state is qpos and qvel in one array; the Jacobian is by the present state. The world itself
+    takes no step.
+
+    Parameters
+    ----------
+    world : a `World` of the adapter's `world.py`
+    way : JAX's mode, "jacfwd" or "jacrev"
+    steps : number of steps
     """
     in_precision(world.is_double)
     data = world.data()

@@ -15,9 +15,13 @@ world = World(*in_mjx(nameless(MJCF).compile()), TIMESTEP, qpos={{qpos}}, qvel={
 
 
 def script(scenario: Scenario, integrator: str | None, timestep: float, is_double: bool) -> str:
-    """Return Python that builds and steps a scene's model; as shipped if `integrator` is None.
+    """Return Python code that builds and steps a scene's model.
 
-    It computes in double precision if `is_double` is set, else in single.
+    Parameters
+    ----------
+    integrator : MuJoCo's name of the integrator; None for the model as shipped
+    timestep : length of the steps, s
+    is_double : whether MJX computes in double precision; else in single
     """
     text = mjcf(scenario, timestep, integrator, left_in(scenario, integrator, SPRINGS))
     world = Path(__file__).with_name("world.py")

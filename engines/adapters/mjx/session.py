@@ -1,4 +1,4 @@
-"""A scene in MJX: stepped by one compiled loop, audited by MuJoCo's functions."""
+"""A scene in MJX: a compiled loop steps it, and the audit of MuJoCo's adapter finds what acts."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache, partial
@@ -15,7 +15,7 @@ from ..mujoco.port import PortSession, starts
 from ..mujoco.session import compiled
 from .script import SPRINGS
 
-#: Number of models kept in MJX's form, some 100 kB each.
+#: Largest number of models in MJX's form that are kept, some 100 kB each.
 MODELS = 64
 
 
@@ -35,19 +35,19 @@ class MJXSession(PortSession):
         super().__init__(scenario, model, world, SPRINGS)
 
     def record(self, strides: Sequence[int], keep: Callable[[FloatArray], object]) -> None:
-        """Take steps and keep snapshots, as in `Session`; one call of MJX's loop takes many."""
+        """Take steps and pass on snapshots (`Session.record`), many in one call of MJX's loop."""
         most = _module().SAMPLES_A_CALL
         for first in range(0, len(strides), most):
             for row in self._world.run(strides[first : first + most]):
                 keep(row)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return Jacobians by JAX, of one or many steps, in forward and in reverse mode."""
+        """Return the Jacobians that JAX computes, "jacfwd" and "jacrev": of one step or many."""
         ways = {way: partial(self._derivative, way) for way in ("jacfwd", "jacrev")}
         return {way: Derivative(compute, through=compute) for way, compute in ways.items()}
 
     def _derivative(self, way: str, steps: int = 1) -> FloatArray:
-        """Return the Jacobian of the next steps by a turn and ω, body axes, (6, 6).
+        """Return the Jacobian of the next steps in the chart, (6, 6).
 
         `way` is JAX's mode, "jacfwd" or "jacrev".
         """
@@ -65,9 +65,13 @@ class MJXSession(PortSession):
 def batch(
     scenarios: Sequence[Scenario], texts: Mapping[Scenario, str], timestep: float, is_double: bool
 ) -> Batch:
-    """Open a batch with a world for each scene; `texts` holds the MJCF of each different scene.
+    """Open a batch with a world for each scene.
 
-    It computes in double precision if `is_double` is set, else in single.
+    Parameters
+    ----------
+    texts : MJCF of each different scene
+    timestep : length of the steps, s
+    is_double : whether MJX computes in double precision; else in single
     """
     models = [_in_mjx(text, is_double) for text in texts.values()]
     worlds = [list(texts).index(scenario) for scenario in scenarios]
@@ -76,9 +80,9 @@ def batch(
 
 @lru_cache(maxsize=MODELS)
 def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
-    """Return MJX's model and data at rest for an MJCF.
+    """Return MJX's model of an MJCF, and data at rest.
 
-    They are kept, because MJX takes a tenth of a second to make them.
+    They are cached, because MJX takes a tenth of a second to make them.
     """
     module = _module()
     module.in_precision(is_double)
@@ -88,7 +92,10 @@ def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
 
 @cache
 def _module() -> Any:
-    """Return the adapter's stand-alone module; what JAX compiles is kept in the user's cache."""
+    """Return the adapter's stand-alone module, with JAX set to store what it compiles.
+
+    It is stored in the user's cache.
+    """
     module: Any = import_module(f"{__package__}.world")
     module.jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))
     return module

@@ -12,11 +12,11 @@ import numpy as np
 with redirect_stdout(StringIO()):  # MJX prints that Warp is not installed
     from mujoco import mjx
 
-#: Number of samples of one call: a call costs as much as a hundred steps.
+#: Largest number of samples in one call of the loop; a call costs as much as a hundred steps.
 SAMPLES_A_CALL = 256
-#: Fields that mark bodies aligned with their inertial frame.
+#: Fields of MuJoCo's model that mark bodies aligned with their inertial frame.
 MARKS = ("body_sameframe", "body_simple", "dof_simplenum")
-#: MJX's step, which JAX traces once for all loops of it: each trace takes a second.
+#: MJX's step. JAX traces it once, in a second, and not again for each loop that contains it.
 one_step = jax.jit(mjx.step)
 
 
@@ -25,14 +25,14 @@ def in_precision(is_double):
     jax.config.update("jax_platforms", "cpu")
     if jax.config.jax_enable_x64 != is_double:
         jax.config.update("jax_enable_x64", is_double)
-        # Functions that were traced in the other precision would be used again.
+        # Otherwise JAX would use functions that were traced in the other precision.
         jax.clear_caches()
 
 
 def nameless(text):
     """Return an MJCF as an editable model without its name and its first keyframe.
 
-    These would make JAX compile anew.
+    Models that differ in these alone would make JAX compile its loop for each.
     """
     spec = mujoco.MjSpec.from_string(text)
     spec.modelname = ""
@@ -41,11 +41,12 @@ def nameless(text):
 
 
 def in_mjx(compiled):
-    """Return a compiled model and data at rest as MJX has them, in numpy's arrays.
+    """Convert a model that MuJoCo compiled; return MJX's model, and data at rest, in numpy arrays.
 
-    The arrays are numpy's because the compiled loop takes none of JAX's weak types, and so that
-    they can be read like MuJoCo's own. The marks of aligned bodies, by which MuJoCo's C code saves
-    work, are set to zero: MJX's steps do not read them, but JAX would compile anew for each value.
+    The arrays are numpy's because the compiled loop accepts none of JAX's weak types, and so that
+    they can be read like MuJoCo's own. The marks of aligned bodies (`MARKS`), by which MuJoCo's C
+    code saves work, are set to zero: MJX's steps do not read them, but JAX would compile the loop
+    anew for each of their values.
     """
     model = mjx.put_model(compiled)
     model = model.replace(**{name: np.zeros_like(getattr(model, name)) for name in MARKS})
@@ -53,7 +54,7 @@ def in_mjx(compiled):
 
 
 def kinds(arrays):
-    """Return shape and type of each array, which can be a key of a cache."""
+    """Return shape and type of each array, in a form that can be a key of a cache."""
     return tuple((array.shape, str(array.dtype)) for array in arrays)
 
 
@@ -67,8 +68,9 @@ def loop(trees, still, moving):
 
     Parameters
     ----------
-    trees : structures of the model and of the data, as JAX's trees
-    still, moving : shapes and types of the arrays of the model and of the data, from `kinds`
+    trees : structures (JAX's "treedef") of the model and of the data
+    still : shapes and types of the model's arrays, from `kinds`
+    moving : shapes and types of the data's arrays, from `kinds`
     """
     model_tree, data_tree = trees
 
@@ -101,13 +103,14 @@ def at_timestep(model, timestep):
 
 
 class World:
-    """MJX's model and data as flat lists of JAX's arrays, starting at coordinates qpos and qvel.
+    """One world: MJX's model and data, held as flat lists of JAX's arrays.
 
     Parameters
     ----------
     model, data : from `in_mjx`
-    timestep : s
-    qpos, qvel : coordinates and velocities of the start, (nq,) and (nv,)
+    timestep : length of the steps, s
+    qpos : coordinates at the start, (nq,)
+    qvel : velocities at the start, (nv,)
     """
 
     def __init__(self, model, data, timestep, qpos, qvel):
@@ -130,15 +133,15 @@ class World:
         self.still[self.still_at.opt.timestep] = self.model.opt.timestep
 
     def restart(self, qpos, qvel):
-        """Set other coordinates, and remove every trace of earlier steps."""
+        """Set coordinates, (nq,), and velocities, (nv,); nothing of earlier steps is left."""
         self.moving = [*self.at_rest]
         for at, numbers in (self.moving_at.qpos, qpos), (self.moving_at.qvel, qvel):
             self.moving[at] = np.asarray(numbers, dtype=self.precision)
 
     def run(self, strides):
-        """Take steps, and return qpos and qvel at each sample, one a row.
+        """Take steps; return qpos and qvel at each sample, a sample in each row, (n, nq + nv).
 
-        `strides` has the number of steps before each sample; at most `SAMPLES_A_CALL` of them.
+        `strides` has the number of steps before each of n samples, at most `SAMPLES_A_CALL`.
         """
         padded = np.zeros(SAMPLES_A_CALL, dtype=np.int32)
         padded[: len(strides)] = strides
@@ -148,24 +151,34 @@ class World:
         return np.asarray(rows)[: len(strides)]
 
     def advance(self, steps):
-        """Take steps."""
+        """Take `steps` steps."""
         self.run([steps])
 
     def motions(self, places):
-        """Return qpos and qvel of the one world, of index 0, as a row for each of `places`."""
+        """Return qpos and qvel of this world, as one row for each index in `places`.
+
+        All indices must be 0, since there is one world.
+        """
         at = self.moving_at.qpos, self.moving_at.qvel
         return np.concatenate([self.moving[one] for one in at])[None][places]
 
     def data(self):
-        """Return MJX's data now, in numpy's arrays."""
+        """Return MJX's data at the present state, with arrays of numpy."""
         return jax.tree.unflatten(self.trees[1], [np.asarray(array) for array in self.moving])
 
 
 class Worlds:
-    """Worlds that one compiled loop steps by `jax.vmap`, starting at qpos and qvel, one a row.
+    """Worlds that one compiled loop steps together, by `jax.vmap`.
 
-    `models` are what `in_mjx` returns, and `worlds` holds for each world the index of its model;
-    numbers in which the models differ are arrays over worlds.
+    Arrays in which the models differ get a further axis, over the worlds.
+
+    Parameters
+    ----------
+    models : models and their data, pairs from `in_mjx`
+    worlds : index, in `models`, of the model of each world
+    timestep : length of the steps, s
+    qpos : coordinates at the start, (worlds, nq)
+    qvel : velocities at the start, (worlds, nv)
 
     Raises
     ------
@@ -209,11 +222,11 @@ class Worlds:
         self.advance(0)  # compiles the loop
 
     def advance(self, steps):
-        """Take steps of every world."""
+        """Take `steps` steps of every world."""
         in_precision(self.is_double)
         self.moving = jax.block_until_ready(self.loop(self.still, self.moving, np.int32(steps)))
 
     def motions(self, places):
-        """Return qpos and qvel of the worlds with indices `places`, one a row."""
+        """Return qpos and qvel, a row for each world whose index is in `places`."""
         data = jax.tree.unflatten(self.data_tree, self.moving)
         return np.concatenate([data.qpos, data.qvel], axis=1)[places]

@@ -1,4 +1,4 @@
-"""MuJoCo, from the scene as MJCF or URDF, and from users' own files."""
+"""MuJoCo: scenes as MJCF or URDF, and links of users' own files."""
 
 from .engine import MuJoCo
 from .file_engine import MuJoCoFile

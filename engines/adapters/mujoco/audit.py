@@ -1,7 +1,7 @@
-"""What acts on the body of a MuJoCo model, read back from the model as it was compiled.
+"""What acts on the body of a MuJoCo model, read back from the compiled model.
 
-Forces in MuJoCo come from the model, from what was applied to its data, and from callbacks of the
-process; all three are checked.
+Forces in MuJoCo come from the model, from those set in its data, and from callbacks of the process;
+all three are checked.
 """
 
 from collections.abc import Iterator, Sequence
@@ -17,8 +17,9 @@ from ...models.mjcf_contact import PASSES, sphere_and_plane
 from .coordinates import BODY
 from .world import disabling, flags
 
-#: Parts of a model that no scene calls for, each with the fields of the model (`FOREIGN`) or of its
-#: options (`FOREIGN_OPTIONS`) that are zero without it. Some versions of MuJoCo lack some fields.
+#: Parts of a model that no scene calls for, each with fields that are all zero if the model has no
+#: such part: fields of the model, or of its options (`FOREIGN_OPTIONS`). Not every version of
+#: MuJoCo has all of them.
 FOREIGN = {
     "equality constraints": ("neq",),
     "tendons": ("ntendon",),
@@ -36,11 +37,11 @@ FOREIGN = {
 }
 FOREIGN_OPTIONS = {"wind": ("wind",), "air": ("density", "viscosity")}
 
-#: Relative tolerance of a hinge's numbers, which went through the text of the MJCF: `HINGE_SLACK`
-#: in double precision, and `ROUNDINGS` roundings in single precision.
+#: Relative tolerance of a hinge's numbers, which were rounded in the text of the MJCF:
+#: `HINGE_SLACK`, or `ROUNDINGS` ulp of the model's precision if that is larger.
 HINGE_SLACK, ROUNDINGS = 1e-12, 4
 
-#: MuJoCo's flags in words; flags of later versions are reported by MuJoCo's own names.
+#: Words by which the audit reports MuJoCo's flags; flags that are not listed keep MuJoCo's names.
 FLAG_WORDS = {
     "constraint": "constraint solver",
     "equality": "equality constraint pass",
@@ -71,7 +72,7 @@ CALLBACKS = ("act_bias", "act_dyn", "act_gain", "contactfilter", "control", "pas
 def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
     """Return names of the effects that act, and descriptions of anything else that is switched on.
 
-    An effect whose strength differs from the scene's is described too.
+    There is also a description of each effect whose strength is not that of the scene.
 
     Parameters
     ----------
@@ -103,11 +104,11 @@ def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
 
 
 def _further_parts(model: Any, rotors: Sequence[Rotor]) -> set[str]:
-    """Return in words what the model has besides the body, as a set.
+    """Return what the model has besides the body, as a set of names and descriptions.
 
-    For a scene with rotors this is how the further bodies differ from these rotors, or "rotors" if
-    they do not differ. For any other scene, bodies that are welded to the first one belong to it,
-    and the set is empty if there are no more.
+    For a scene with rotors, the set is {"rotors"}, or says how the further bodies differ from the
+    rotors. For any other scene it has descriptions of further bodies, joints and armatures; it is
+    empty if there are none. Bodies welded to the first one are part of the body.
     """
     if rotors:
         return {*_wrong_hinges(model, rotors)} or {"rotors"}
@@ -120,7 +121,7 @@ def _further_parts(model: Any, rotors: Sequence[Rotor]) -> set[str]:
 
 
 def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
-    """Yield in words how the bodies after the first differ from the scene's rotors."""
+    """Yield, in words, how the bodies after the first differ from the scene's rotors."""
     if model.nbody - 2 != len(rotors) or (model.body_parentid[2:] != 1).any():
         yield f"{model.nbody - 2} parts of the body, not {len(rotors)} rotors"
         return
@@ -147,23 +148,23 @@ def _wrong_hinges(model: Any, rotors: Sequence[Rotor]) -> Iterator[str]:
 def _wrong_strengths(strengths: dict[str, FloatArray], scenario: Scenario) -> Iterator[str]:
     """Yield a description of each effect that acts with another strength than in the scene.
 
-    An effect is left out if only one of the two, model or scene, has it.
+    An effect that is only in the model, or only in the scene, is left out.
 
     Parameters
     ----------
-    strengths : as `read_strengths` returns them
+    strengths : strengths of the effects in the model, from `read_strengths`
     """
     wanted_of = {"gravity": scenario.gravity_world, **scenario.pushed}
     for name, strength in strengths.items():
         got = np.diag(strength) if strength.ndim > 1 else strength
         wanted = np.broadcast_to(wanted_of[name], got.shape)
-        # Effects not called for, or missing, are reported elsewhere.
+        # Effects that are not called for, or are missing, are found when names are compared.
         if wanted.any() and got.any() and (got != wanted.astype(got.dtype)).any():
             yield f"{name} of {got.tolist()}, not {wanted.tolist()}"
 
 
 def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
-    """Return the strengths of effects by name, and descriptions of what else actuators do.
+    """Return the strengths of effects by name, and descriptions of what else the actuators do.
 
     The strengths are "gravity", m/s², world axes, (3,); "torque_body" and "torque_world", N m, in
     body and in world axes, (3,); and "drag", N m s: the matrix D of the torque −D ω in body axes,
@@ -171,7 +172,8 @@ def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
     """
     drag, others = np.diag(_joint_damping(model)), []
     torque_body, torque_world = np.zeros((2, 3), model.opt.gravity.dtype)
-    # Both are constant torques; they differ in the axes in which the gear is written.
+    # Actuators of both types are constant torques: the gear is along axes of the body, or of the
+    # world.
     constant_along = {
         int(mujoco.mjtTrn.mjTRN_JOINT): torque_body,
         int(mujoco.mjtTrn.mjTRN_JOINTINPARENT): torque_world,
@@ -196,19 +198,21 @@ def read_strengths(model: Any) -> tuple[dict[str, FloatArray], list[str]]:
 
 
 def _joint_damping(model: Any) -> FloatArray:
-    """Return the damping of the body's ω, N m s, (3,); zero if MuJoCo's pass for it is off."""
+    """Return the damping coefficients of the body's ω, N m s, (3,); zero if dampers are off."""
     damping: FloatArray = model.dof_damping[_turning(model)] * _is_on(model, "damper")
     return damping
 
 
 def _turning(model: Any) -> slice:
-    """Return the indices, in qvel, of the body's ω: the last three of the body's velocities."""
+    """Return the indices of the body's ω in qvel: the last three of the body's velocities."""
     end = _own(model.dof_bodyid)
     return slice(end - 3, end)
 
 
 def _own(bodies: NDArray[np.integer]) -> int:
-    """Return how many of a model's joints, or velocities, belong to the body; they come first.
+    """Return how many joints, or velocities, of a model belong to its first body.
+
+    They come before those of other bodies.
 
     Parameters
     ----------
@@ -218,9 +222,9 @@ def _own(bodies: NDArray[np.integer]) -> int:
 
 
 def _joints(model: Any, scenario: Scenario) -> Iterator[str]:
-    """Yield the effect, pivot or table, that the body's joints, or a contact, implement.
+    """Yield "pivot" or "table" if the body's joints, or a contact, implement that effect.
 
-    Joints, shapes and damping that the scene does not call for are yielded as descriptions.
+    Descriptions of joints, shapes and damping that the scene does not call for are yielded, too.
     """
     if model.ngeom:
         yield "table" if _rests(model, scenario) else "collision geometry"
@@ -247,12 +251,15 @@ def _joints(model: Any, scenario: Scenario) -> Iterator[str]:
 
 
 def _same(got: FloatArray, wanted: FloatArray) -> bool:
-    """Whether two arrays are equal in the precision of `got`, which was read from a model."""
+    """Whether two arrays are equal in the precision of `got`, which was read from the model."""
     return np.array_equal(got, wanted.astype(got.dtype))
 
 
 def _rests(model: Any, scenario: Scenario) -> bool:
-    """Whether a free body's sphere lies on a plane as the scene's tip does, without friction."""
+    """Whether the model is a free body with a sphere on a plane that are the scene's table.
+
+    The contact must be frictionless, and radius, place and height must be those of the scene.
+    """
     table = scenario.effects.table
     if table is None:
         return False
@@ -267,7 +274,7 @@ def _rests(model: Any, scenario: Scenario) -> bool:
 
 
 def _idle_passes(model: Any) -> frozenset[str]:
-    """Return descriptions of the passes that are on although nothing in the scene needs them."""
+    """Return descriptions of the passes that are on although nothing in the model needs them."""
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if _joint_damping(model).any() else set()
     needed |= {"actuation"} if model.nu else set()
@@ -281,5 +288,5 @@ def _idle_passes(model: Any) -> frozenset[str]:
 
 
 def _is_on(model: Any, name: str) -> bool:
-    """Whether a pass is on, by the name of its flag; a pass without a flag is always on."""
+    """Whether the pass whose flag has a given name is on; a pass without a flag is always on."""
     return not model.opt.disableflags & disabling().get(name, 0)

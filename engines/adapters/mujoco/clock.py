@@ -1,8 +1,8 @@
 """The clock that MuJoCo's Python package installs in the library, and how to step without it.
 
-From 3.3.1 on the package sets the callback `mjcb_time`, which the library reads some 31 times a
-step to fill `mjData.timer`. It is one pointer for the whole process, NULL without a clock; Python's
-API can replace it, but not remove it.
+From 3.3.1 on the package sets the callback `mjcb_time`, a clock that the library reads some 31
+times a step to fill `mjData.timer`. The callback is one pointer for the whole process, NULL without
+a clock. Python's API can replace it, but not remove it.
 """
 
 import ctypes
@@ -10,14 +10,14 @@ from pathlib import Path
 
 import mujoco
 
-#: Names of the library in the package's folder: Linux, macOS, Windows.
+#: File names of the library in the package's folder, as patterns: Linux, macOS, Windows.
 _LIBRARIES = ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
-#: The clock's name in the list of what is left out, and in the audit.
+#: Name of the clock in `Engine.left_out` and in the audit.
 CLOCK = "clock"
 
 
 def _pointer() -> ctypes.c_void_p:
-    """Return the library's variable `mjcb_time`; its value is the clock's address, or None."""
+    """Return the library's variable `mjcb_time`; its value is the address of a clock, or None."""
     folder = Path(mujoco.__file__).parent
     file = next(file for pattern in _LIBRARIES for file in folder.glob(pattern))
     return ctypes.c_void_p.in_dll(ctypes.CDLL(str(file)), "mjcb_time")
@@ -31,7 +31,10 @@ SHIPPED = _hung.value
 
 
 def hang(clock: int | None) -> None:
-    """Set the clock that the library reads from now on: a function pointer; None for no clock."""
+    """Set the clock that the library reads from now on.
+
+    `clock` is the address of a function; None for no clock.
+    """
     _hung.value = clock
 
 

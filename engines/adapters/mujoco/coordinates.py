@@ -1,4 +1,4 @@
-"""Converts between spincheck's bodies and states and MuJoCo's models, qpos and qvel."""
+"""Converts MuJoCo's models to bodies, and coordinates (qpos, qvel) to states and back."""
 
 from typing import Any
 
@@ -19,14 +19,18 @@ from ....scenarios.rotation import across, cross, matrices, matrix, turned
 from ...models.hinged import hinged, unhinged
 from ...scene_record import with_rotors
 
-#: MuJoCo's index of the body; index 0 is the world, with which every model begins.
+#: MuJoCo's indices of the world, with which every model begins, and of the body.
 WORLD, BODY = 0, 1
-#: Number of velocities that are ω; at most three velocities of a point come before them.
+#: Number of velocities in qvel that are ω. Up to three, the velocity of a point of the body, come
+#: before them.
 TURNING = 3
 
 
 def one_body(model: Any, body: int) -> BodyReading:
-    """Return one body of a compiled model, given its index, without its children; body axes."""
+    """Return one body of a compiled model, without its children, in its own axes.
+
+    `body` is the body's index in the model.
+    """
     R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
     return BodyReading(
         mass=float(model.body_mass[body]),
@@ -41,10 +45,10 @@ def _rotation(q_wxyz: FloatArray) -> Rotation:
 
 
 class CoordinateSession(Session):
-    """A session in MuJoCo or in a port of it, which reads and sets states by qpos and qvel alone.
+    """A session in MuJoCo, or in a port of it, that reads and sets states by qpos and qvel alone.
 
-    The body is on a free joint, a ball joint or three hinges; under a ball joint or hinges there
-    may be slides. In qpos and qvel the slides come first, and the rotors that turn come last.
+    The body is on a free joint, a ball joint or three hinges. Slides may come before a ball joint
+    or hinges. In qpos and qvel the slides come first, and rotors that are not locked come last.
 
     Parameters
     ----------
@@ -59,8 +63,8 @@ class CoordinateSession(Session):
         last = model.body_jntadr[BODY] + model.body_jntnum[BODY] - 1
         self._on_hinges = model.jnt_type[last] == mujoco.mjtJoint.mjJNT_HINGE
         self._on_pivot = model.jnt_type[0] == mujoco.mjtJoint.mjJNT_BALL
-        # Vector to the com from the point that the coordinates move, m, body axes; and that point's
-        # place when all coordinates are zero, m.
+        # The first coordinates move a point of the body. These are the vector from this point to
+        # the com, m, body axes, and the point's place when all coordinates are zero, m.
         self._arm_body, self._place_world = self.read_body().com, np.zeros(3)
         if model.jnt_type[last] != mujoco.mjtJoint.mjJNT_FREE:
             self._arm_body = self._arm_body - model.jnt_pos[last]
@@ -73,15 +77,15 @@ class CoordinateSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether a restart rounds nothing.
+        """Whether a restart rounds no coordinate.
 
-        It does not on a ball joint without slides, nor if the coordinates are those of the com.
+        This is so on a ball joint without slides, or if the first coordinates are the com's.
         """
         return bool(self._on_pivot or not self._arm_body.any())
 
     @property
     def turning(self) -> NDArray[np.intp]:
-        """The indices of the velocities that are ω in body axes, (3,).
+        """The indices, in qvel, of the velocities that are ω in body axes, (3,).
 
         Raises
         ------
@@ -93,7 +97,7 @@ class CoordinateSession(Session):
         return np.arange(self._moving, self._moving + TURNING)
 
     def read_body(self) -> BodyReading:
-        """Return the body, with the bodies welded to it and its rotors, in the body's own axes."""
+        """Return the body with its rotors and all bodies welded to it, in the body's own axes."""
         model, poses = self._compiled, {BODY: (np.zeros(3), np.eye(3))}
         parts = [one_body(model, BODY)]
         for body in range(BODY + 1, model.nbody):
@@ -111,12 +115,17 @@ class CoordinateSession(Session):
         return self.states([self.snapshot()]).rows(0)
 
     def states_at(self, qpos: FloatArray, qvel: FloatArray) -> State:
-        """Return the states of n rows of coordinates, (n, nq), and velocities, (n, nv).
+        """Return n states, given their coordinates and velocities.
 
         The first coordinates are the place of a point of the body: the origin of a free body, or
-        the point that slides move. A ball joint alone has no such coordinates, as its point stands
-        still. The arm is the vector from this point to the com, as compiled. The com is at the
-        point plus R times the arm; its velocity is that of the point plus R (ω × arm).
+        the point that slides move. A ball joint without slides has none, as its point stands still.
+        The com is at the point plus R times the vector a from the point to the com; its velocity is
+        that of the point plus R (ω × a).
+
+        Parameters
+        ----------
+        qpos : coordinates, a state in each row, (n, nq)
+        qvel : velocities, a state in each row, (n, nv)
         """
         if self._on_hinges:
             qpos, qvel = unhinged(qpos, qvel)
@@ -134,7 +143,7 @@ class CoordinateSession(Session):
         return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
 
     def coordinates(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return a state's coordinates, (nq,), and velocities, (nv,), as `states_at` reads them.
+        """Return the coordinates, (nq,), and velocities, (nv,), of a state: `states_at` inverted.
 
         The angles of rotors are 0.
         """

@@ -1,4 +1,4 @@
-"""Editable models (MjSpec) of files that state a body alone; joint, gravity and start are added."""
+"""Editable models (MjSpec) of files that state only a body; joint, gravity and start are added."""
 
 from typing import Any
 
@@ -20,7 +20,8 @@ def spec_of_urdf(text: str) -> Any:
         version = mujoco.mj_versionString()
         raise UnsupportedError(f"MuJoCo {version} cannot give a body of a URDF a joint", "effects")
     spec = mujoco.MjSpec.from_string(text)
-    # By default the reader would fuse a single link with the world, and fixed links with others.
+    # By default MuJoCo fuses a link on a fixed joint with its parent, and a single link with the
+    # world.
     spec.compiler.fusestatic = False
     return spec
 
@@ -29,20 +30,24 @@ def free(body: Any) -> None:
     """Give a body of an editable model a free joint."""
     joint = body.add_freejoint()
     if hasattr(joint, "align"):
-        # A free joint aligned with the inertial frame would have qpos and qvel along other axes.
+        # If aligned with the inertial frame, the joint's qpos and qvel would be along other axes.
         joint.align = False
 
 
 def with_start(spec: Any) -> Any:
-    """Add a keyframe to an editable model, which `set_scene` fills; return the compiled model."""
+    """Compile an editable model with an empty keyframe added; return the compiled model.
+
+    `set_scene` writes the start into the keyframe.
+    """
     spec.add_key(name=START_KEY)
     return spec.compile()
 
 
 def set_scene(model: Any, scenario: Scenario, integrator: str) -> None:
-    """Set in a compiled model what a body's file does not have: integrator, gravity, the start.
+    """Set in a compiled model what its file does not state: integrator, gravity and start.
 
-    The start goes into the model's first keyframe; `integrator` is MuJoCo's name, in any case.
+    The start is written into the first keyframe. `integrator` is MuJoCo's name, in upper or lower
+    case.
     """
     model.opt.integrator = mujoco.mjtIntegrator.__members__[f"mjINT_{integrator.upper()}"]
     model.opt.gravity = scenario.gravity_world

@@ -1,4 +1,4 @@
-"""MuJoCo, from the scene as MJCF: every integrator it has is a method."""
+"""MuJoCo, with scenes as MJCF: each of its integrators is a method."""
 
 from collections.abc import Collection
 from copy import copy
@@ -32,31 +32,31 @@ from .editable import free, set_scene, spec_of_urdf, with_start
 from .session import MuJoCoSession, check_not_too_small, compiled
 from .world import disable
 
-#: The MuJoCo version that introduced the newest integrator, `discrete`, from the changelog.
+#: First version of MuJoCo with the newest integrator, `discrete`, from the changelog.
 SINCE = "3.13.0"
-#: Number of compiled models kept: a ladder of timesteps uses the same model at each.
+#: Largest number of compiled models that are cached: all timesteps of a ladder use the same model.
 KEPT = 16
-#: Timestep of a compiled model, s, until that of the run is set.
+#: Timestep of a compiled model, s, before that of the run is set.
 ANY_TIMESTEP = 1e-3
-#: Relative margin of the triangle inequality. The reader of URDF diagonalises the three principal
-#: moments again, with errors of up to 12 ulp each, and without a margin refuses every third flat
-#: body.
+#: Relative margin by which a URDF's principal moments must fulfil the triangle inequality
+#: A + B >= C. MuJoCo's reader of URDF diagonalises the tensor again, with errors of up to 12 ulp a
+#: moment, and without a margin refuses every third flat body.
 READER_ROUNDOFF = 3 * 12 * float(np.finfo(float).eps)
-#: Shortest time constant of a contact that MuJoCo takes to be stable, in timesteps.
+#: Shortest time constant of a contact that MuJoCo considers stable, in timesteps.
 STIFFEST = 2.0
 #: Passes that are switched off for a body on a contact, so that a step depends on the state alone.
 OF_CONTACTS = ("warmstart",)
-#: Prefix of the names of methods that hold a body on a table by a contact; in all others it is on
-#: two slides under a ball joint.
+#: Prefix of the names of methods that hold a body on a table by a contact. All other methods hold
+#: it by two slides and a ball joint.
 BY_CONTACT = "contact-"
-#: What the name of a method as shipped has in place of an integrator's name.
+#: Word that methods as shipped have in their names in place of an integrator's name.
 SHIPPED = "default"
 
 
 def setup(integrator: str) -> str:
-    """Return the lines by which users choose an integrator: in MJCF, and on a compiled model.
+    """Return the lines by which users choose an integrator, in MJCF or on a compiled model.
 
-    `integrator` is its name in MJCF.
+    `integrator` is the integrator's name in MJCF.
     """
     return f"""\
 <option integrator="{integrator}" timestep="TIMESTEP"/>
@@ -110,11 +110,11 @@ class MuJoCo(Engine):
 
     interface = 2
     name = "mujoco"
-    # Default of the documentation, XML reference, option/timestep.
+    # The default of option/timestep in MuJoCo's XML reference.
     stock_timestep = 0.002
     describes = frozenset({"parts", "full tensor", "shape", "joint", "compensated", "urdf"})
-    # Orders as in MuJoCo's documentation, "Numerical integration", and changelog 4.0.0, item 5;
-    # measured in docs/measured/engines-mujoco.md.
+    # Orders are those of MuJoCo's documentation, "Numerical integration", and changelog 4.0.0, item
+    # 5; they were confirmed by measurement (docs/measured/engines-mujoco.md).
     methods = (
         _method("Euler", 1, "semi-implicit Euler, joint damping implicit"),
         _method("implicitfast", 1, "implicit in velocity; gyroscopic terms of free bodies only"),
@@ -133,7 +133,7 @@ class MuJoCo(Engine):
 
     @property
     def version(self) -> str:
-        """Version of the library, which may differ from the package's."""
+        """The version of the library, which may differ from the package's."""
         return str(mujoco.mj_versionString())
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
@@ -142,7 +142,8 @@ class MuJoCo(Engine):
         Raises
         ------
         UnsupportedError
-            If this version of MuJoCo lacks the integrator, or a mass or moment is too small for it.
+            If this version of MuJoCo lacks the integrator, or a mass or moment is too small for
+            MuJoCo.
         EngineError
             If the compiler refuses the model, or warns.
         """
@@ -158,11 +159,12 @@ class MuJoCo(Engine):
         defaults: Collection[str] | None = None,  # noqa: ARG002
         description: Description = PLAIN,
     ) -> MuJoCoSession:
-        """Open a scene with passes left in or with another description; parameters as in `Engine`.
+        """Open a scene with passes left in, or with another description of the body.
 
-        `defaults` is ignored. So is `left_in` for a method as shipped, which leaves in all passes,
-        and for a description that is compensated. Flags are set after compiling, as older versions
-        refuse some of them in MJCF. Errors are raised as by `open`.
+        `Engine.open_with` describes the parameters; `defaults` is ignored. `left_in` is ignored for
+        a method as shipped, which leaves in all passes, and for a compensated description. Flags
+        are set after compiling, because older versions refuse some of them in MJCF. The errors are
+        those of `open`.
         """
         check_not_too_small(scenario)
         integrator, off = _integrator(method), _switched_off(scenario, method)
@@ -173,7 +175,7 @@ class MuJoCo(Engine):
         if integrator is None:
             left_in = (*switched_off(scenario), CLOCK)
         if description.compensated:
-            # Damping is one of the passive forces.
+            # The compensating forces need all three: up to 3.3.0 springs and dampers share a flag.
             left_in = ("gravity", "spring", "damper")
         model = copy(_model(scenario, method, description))
         if description.urdf:
@@ -184,7 +186,7 @@ class MuJoCo(Engine):
         return session
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
-        """Return the MJCF, and the few calls that step it, as Python."""
+        """Return a Python script with the scene's MJCF and the few calls that step it."""
         made = _MADE.format(
             mjcf=python_text("MJCF", _text(scenario, timestep, method)),
             off=() if method.as_shipped else _switched_off(scenario, method),
@@ -194,11 +196,11 @@ class MuJoCo(Engine):
         return run_script(world, made, _STATE, "mujoco.mj_step(model, data, count)")
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Return the names of the passes that a method switches off, and the clock's name.
+        """Return the names of the passes that a method switches off, and the name of the clock.
 
-        There are none for a method as shipped. For a method with a contact the passes `OF_CONTACTS`
-        are not named, as switching them off changes the motion; the clock is named if MuJoCo's
-        package installs one.
+        There are none for a method as shipped. The clock is named only if MuJoCo's package installs
+        one. In a method with a contact the passes `OF_CONTACTS` are not named, because switching
+        them off changes the motion.
         """
         if method.as_shipped:
             return ()
@@ -207,14 +209,19 @@ class MuJoCo(Engine):
         return (*passes, *([CLOCK] if clock.SHIPPED else ()))
 
     def at_version(self, version: str) -> Release:
-        """Return another version of MuJoCo, with the orders that follow from its changelog."""
+        """Return a version of MuJoCo, with the orders of its methods by MuJoCo's changelog."""
         return release(version, self.methods)
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """Return a version of MuJoCo, with its packages and its methods' orders.
+    """Return a version of MuJoCo, with the packages to install and the orders of its methods.
 
-    Before 4.0.0, RK4 averaged the stages' rotations, which made it of second order.
+    Before 4.0.0, RK4 averaged the rotations of its stages, which made it of second order.
+
+    Parameters
+    ----------
+    version : the version, such as 3.1.6
+    methods : the methods, with their orders in the newest version
     """
     number = numbers_of(version)
     if number < (4,):
@@ -227,7 +234,7 @@ def release(version: str, methods: tuple[Method, ...]) -> Release:
 
 
 def _integrator(method: Method) -> str | None:
-    """Return a method's integrator as MJCF names it; None for MuJoCo as shipped."""
+    """Return MJCF's name of a method's integrator; None for a method as shipped."""
     return None if method.as_shipped else method.name.removeprefix(BY_CONTACT)
 
 
@@ -237,12 +244,12 @@ def _is_by_contact(method: Method) -> bool:
 
 
 def _tied(method: Method) -> float:
-    """Return the time constant of a method's contacts, in timesteps; 0 for MuJoCo's default."""
+    """Return the time constant of a method's contacts, in timesteps; 0 to keep the model's own."""
     return STIFFEST if _is_by_contact(method) and not method.as_shipped else 0.0
 
 
 def _alone(scenario: Scenario, method: Method) -> Scenario:
-    """Return the scene that the joints implement: without its table if that is a contact."""
+    """Return the scene as far as joints implement it: without its table if that is a contact."""
     return off_its_table(scenario) if _is_by_contact(method) else scenario
 
 
@@ -254,20 +261,23 @@ def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
 
 @lru_cache(maxsize=KEPT)
 def _model(scenario: Scenario, method: Method, description: Description) -> Any:
-    """Return the compiled model of a scene, with every pass on; cached: callers change a copy."""
+    """Return the compiled model of a scene, with every pass on.
+
+    It is cached: callers must copy it before they change it.
+    """
     if description.urdf:
         return compiled(lambda: _of_urdf(scenario, description))
     text = _text(scenario, ANY_TIMESTEP, method, description)
     if not hasattr(getattr(mujoco, "MjsJoint", None), "align"):
-        # Versions without this attribute behave as if it were set.
+        # Versions without this attribute never align a free joint.
         text = text.replace(' align="false"', "")
     return compiled(lambda: mujoco.MjModel.from_xml_string(text))
 
 
 def _of_urdf(scenario: Scenario, description: Description) -> Any:
-    """Return the compiled model of a scene's URDF, with what URDF cannot state added.
+    """Return the compiled model of a scene's URDF, with what URDF cannot state.
 
-    These are the free joint of a free body, and the drives of rotors.
+    This is the free joint of a free body, and the armatures of rotors, which drive them.
     """
     spec = spec_of_urdf(urdf(scenario, READER_ROUNDOFF, description=description))
     if scenario.constraint.is_free:

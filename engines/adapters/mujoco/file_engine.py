@@ -1,4 +1,4 @@
-"""MuJoCo from the user's own file: the link that a scene names, cut out of its URDF or MJCF."""
+"""MuJoCo with a user's own file: the link that a scene names is cut out of its URDF or MJCF."""
 
 import tempfile
 from copy import copy
@@ -17,18 +17,18 @@ from .model_reader import MuJoCoModelReader, spec_of
 from .session import MuJoCoSession, check_not_too_small, compiled
 from .world import disable
 
-#: Prefix that keeps the link's name from clashing with another name in the model.
+#: Prefix of the names of bodies that are cut out: names do not clash, and the bodies are found.
 PREFIX = "cut-"
 
 
 @final
 class MuJoCoFile(FileEngine):
-    """An engine that simulates one link of the user's URDF or MJCF, as MuJoCo reads it."""
+    """An engine that simulates one link of a user's URDF or MJCF, as MuJoCo reads it."""
 
     name = "mujoco-file"
     reader = MuJoCoModelReader()
     stock_timestep = MuJoCo.stock_timestep
-    # Faults of the readers show with any integrator, and best with the most accurate one.
+    # Faults in how a file is read show with any integrator, and best with the most accurate one.
     methods = (
         Method(
             "RK4",
@@ -53,18 +53,18 @@ class MuJoCoFile(FileEngine):
         return MuJoCoSession(scenario, model)
 
     def at_version(self, version: str) -> Release:
-        """Return another version of the `mujoco` engine, with this engine's method."""
+        """Return a version of MuJoCo, with this engine's method."""
         return release(version, self.methods)
 
 
 @lru_cache(maxsize=KEPT)
 def _model(users: UsersLink) -> Any:
-    """Return the compiled model of a link; it is kept, since every timestep needs the same one."""
+    """Return the compiled model of a link; it is cached, since all timesteps need the same one."""
     return compiled(lambda: (_of_urdf if users.model.format == "urdf" else _of_mjcf)(users))
 
 
 def _of_urdf(users: UsersLink) -> Any:
-    """Return the compiled model of a link, by the inertia that its URDF states, without shapes."""
+    """Return the compiled model of a link with the inertia that its URDF states, but no shapes."""
     text, _ = body_alone(users.model, users.body)
     spec = spec_of_urdf(text.decode(errors="replace"))
     free(spec.body(users.body.host.name))
@@ -72,7 +72,7 @@ def _of_urdf(users: UsersLink) -> Any:
 
 
 def _of_mjcf(users: UsersLink) -> Any:
-    """Return the compiled model of a link's body, without the children that joints move.
+    """Return the compiled model of a link of an MJCF, without the children that joints move.
 
     The file's compiler settings and defaults apply to it.
     """
@@ -90,7 +90,7 @@ def _alone(whole: Any, users: UsersLink) -> Any:
     Raises
     ------
     EngineError
-        If the file states the total mass of the model, which determines no mass of a link alone.
+        If the file sets the total mass of its model: the mass of a single link is then unknown.
     """
     if whole.compiler.settotalmass > 0:
         raise EngineError(
@@ -99,7 +99,8 @@ def _alone(whole: Any, users: UsersLink) -> Any:
             "body",
         )
     spec = mujoco.MjSpec()
-    # Versions from 4.0.0 on warn if options differ; none of the file's options is part of the body.
+    # From 4.0.0 on MuJoCo warns if the options of the two models differ. None of the file's options
+    # is part of the body.
     for name in (name for name in dir(spec.option) if not name.startswith("_")):
         setattr(whole.option, name, getattr(spec.option, name))
     body = spec.worldbody.add_frame().attach_body(whole.body(users.body.host.name), PREFIX, "")

@@ -51,14 +51,13 @@ class MuJoCoModelReader(ModelReader):
 
     @property
     def version(self) -> str:
-        """Version of the library, which may differ from the package's."""
+        """The version of the library, which may differ from the package's."""
         return str(mujoco.mj_versionString())
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Return the bodies of the compiled file, by name."""
+        """Compile a file; return its bodies by their names, each without its children."""
         try:
-            # In a folder of its own, because MuJoCo writes a log of its warnings into the current
-            # folder.
+            # A temporary current folder, because MuJoCo writes a log of its warnings there.
             with tempfile.TemporaryDirectory() as folder, chdir(folder):
                 compiled = _compiled(model, Path(folder), unfused=configuration == "unfused")
         except (ValueError, mujoco.FatalError) as error:
@@ -71,10 +70,13 @@ class MuJoCoModelReader(ModelReader):
 
 
 def _compiled(model: ModelFile, folder: Path, *, unfused: bool) -> Any:
-    """Return a file's compiled model; `folder` is as in `spec_of`.
+    """Return the compiled model of a file.
 
-    If `unfused`, the model has a body for each link, and that of a URDF no shapes, joints and
-    equality constraints.
+    Parameters
+    ----------
+    folder : an existing folder, into which the model's files are written
+    unfused : whether the model must have a body for each link; the model of a URDF then has no
+        shapes, joints or equality constraints
     """
     spec = spec_of(model, folder)
     if unfused:
@@ -87,10 +89,10 @@ def _compiled(model: ModelFile, folder: Path, *, unfused: bool) -> Any:
 
 
 def spec_of(model: ModelFile, folder: Path) -> Any:
-    """Return a file as an editable model, with only the meshes that an inertia comes from.
+    """Return the editable model of a file, without visual parts of an MJCF.
 
-    Visual parts of an MJCF are removed. The model's files are written into `folder`, which must
-    exist until the model is compiled.
+    Only meshes from which an inertia is computed are kept. The model's files are written into
+    `folder`, which must exist until the model is compiled.
     """
     spec = mujoco.MjSpec.from_file(laid_out(model, folder, MESHES))
     if model.format == "mjcf":
@@ -99,7 +101,7 @@ def spec_of(model: ModelFile, folder: Path) -> Any:
 
 
 def _strip_drawn(model: ModelFile, spec: Any) -> None:
-    """Remove visual parts, and meshes that no inertia comes from, from an editable model."""
+    """Remove from an editable model visual parts, and meshes from which no inertia is computed."""
     explicit = spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     for geom in list(spec.geoms):
         needless = explicit and geom.parent.explicitinertial
@@ -114,5 +116,5 @@ def _strip_drawn(model: ModelFile, spec: Any) -> None:
 
 
 def _is_there(model: ModelFile, mesh: Any) -> bool:
-    """Whether a mesh can be compiled: it names no file, or a file inside the model's folders."""
+    """Whether a mesh can be compiled: it names no file, or one of the model's files."""
     return mesh is not None and (not mesh.file or mesh.file in model.files)

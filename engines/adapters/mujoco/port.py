@@ -1,6 +1,7 @@
-"""What adapters of MuJoCo's ports share: a session, a batch, and scripts.
+"""What the adapters of MuJoCo's ports, MJX and MuJoCo Warp, share: session, batch and scripts.
 
-Ports run models that MuJoCo compiles, and MuJoCo's audit reads the ports' models and data.
+The ports run models that MuJoCo compiles. Their models and data have MuJoCo's field names, so that
+the functions in `audit.py` read them.
 """
 
 from collections.abc import Sequence
@@ -28,11 +29,12 @@ class PortSession(CoordinateSession):
 
     Parameters
     ----------
-    model : the port's model of the scene, with the field names of MuJoCo's
-    world : an object with the port's present `model` and `data()`, both with MuJoCo's field names;
-        and with `advance(steps)`, `restart(qpos, qvel)`, `set_timestep(timestep)`, and
-        `motions(places)`, which returns qpos and qvel of the worlds with these indices, one a row
-    always_on : passes that the port cannot switch off, by MuJoCo's names
+    model : a compiled model of the scene, with MuJoCo's field names
+    world : an object with the port's present `model` and `data()`, both with MuJoCo's field names.
+        Its other methods are `advance(steps)`, `restart(qpos, qvel)`, `set_timestep(timestep)`, and
+        `motions(places)`, which returns qpos and qvel, a row for each world whose index is in
+        `places`
+    always_on : MuJoCo's names of passes that the port cannot switch off
     """
 
     def __init__(
@@ -42,7 +44,7 @@ class PortSession(CoordinateSession):
         self._world, self._always_on = world, always_on
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state, with all else as at the start; nothing is compiled again."""
+        """Set the body to a state, with all else as at the start, without compiling again."""
         if timestep is not None:
             self._world.set_timestep(timestep)
         self._world.restart(*self.coordinates(state))
@@ -62,12 +64,12 @@ class PortSession(CoordinateSession):
         self._world.advance(steps)
 
     def check(self) -> None:
-        """Do nothing: no port warns or resets."""
+        """Do nothing: MuJoCo's ports neither warn nor reset the state."""
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as the port's model and data tell.
+        """Return what acts on the body, as found in the port's model and data.
 
-        Passes that the port cannot switch off are left out; they do nothing in a scene that does
+        Passes that the port cannot switch off are left out: they do nothing in a scene that does
         not need them.
         """
         names_acting = acting(self._world.model, self._world.data(), self._scenario)
@@ -80,13 +82,14 @@ class PortSession(CoordinateSession):
 
 @final
 class PortBatch(WorldBatch):
-    """A batch of one body's worlds in a port of MuJoCo, which can be restarted.
+    """A batch, in a port of MuJoCo, of worlds with the same body; it can be restarted.
 
     Parameters
     ----------
     session : a session of the first world, which converts states to coordinates
-    worlds : as `world` of `PortSession`, with rows of qpos and qvel for each world
-    device : the device that steps them: the CPU, or the name of a GPU
+    worlds : an object with the methods of `world` in `PortSession`; its `restart` takes qpos and
+        qvel with a row for each world
+    device : name of the device that steps the worlds: "CPU", or the name of a GPU
     """
 
     def __init__(self, session: PortSession, worlds: Any, device: str) -> None:
@@ -94,7 +97,7 @@ class PortBatch(WorldBatch):
         self._session = session
 
     def restart(self, states: State, timestep: float) -> None:
-        """Set each world to a state; see `Batch.restart`."""
+        """Set each world to its row of `states`, and the timestep, s (`Batch.restart`)."""
         count = len(states.omega_body)
         rows = [self._session.coordinates(states.rows(k)) for k in range(count)]
         self._worlds.set_timestep(timestep)
@@ -109,16 +112,19 @@ class PortBatch(WorldBatch):
 def left_in(
     scenario: Scenario, integrator: str | None, always_on: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """Return the names of the passes that stay on although the scene does not need them.
+    """Return MuJoCo's names of the passes that stay on although the scene does not need them.
 
-    For a port as shipped, `integrator` is None, and these are all passes that could be switched
-    off. Otherwise they are `always_on`, the passes that the port cannot switch off.
+    Parameters
+    ----------
+    integrator : MuJoCo's name of the integrator; None for a port as shipped, in which all passes
+        stay on
+    always_on : passes that the port cannot switch off, which stay on in any other method
     """
     return switched_off(scenario) if integrator is None else always_on
 
 
 def starts(scenarios: Sequence[Scenario]) -> tuple[FloatArray, FloatArray]:
-    """Return the starts of many worlds as two arrays, qpos and qvel, with a row for each world."""
+    """Return the starts of n worlds: coordinates qpos, (n, nq), and velocities qvel, (n, nv)."""
     at_start = {scenario: start_coordinates(scenario) for scenario in scenarios}
     qpos, qvel = zip(*(at_start[scenario] for scenario in scenarios), strict=True)
     return np.array(qpos), np.array(qvel)
@@ -131,8 +137,8 @@ def port_script(world: Path, scenario: Scenario, text: str, made: str) -> str:
     ----------
     world : path of the stand-alone module
     text : the MJCF
-    made : lines that make `world` from `MJCF` and `TIMESTEP`, with `{qpos}` and `{qvel}` where the
-        start's coordinates and velocities are filled in
+    made : lines of Python that make `world` from `MJCF` and `TIMESTEP`; `{qpos}` and `{qvel}` in
+        them are replaced by the coordinates and velocities of the start
     """
     qpos, qvel = start_coordinates(scenario)
     made = f"{python_text('MJCF', text)}\n{made.format(qpos=qpos, qvel=qvel)}"

@@ -1,4 +1,4 @@
-"""A compiled MuJoCo model, stepped and read: from MJCF or URDF."""
+"""A session of a compiled MuJoCo model, which may come from MJCF or URDF."""
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -27,11 +27,11 @@ from .world import at_start, set_timestep
 READ = int(
     mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS | mujoco.mjtState.mjSTATE_QVEL
 )
-#: First words of MuJoCo's warnings that a coordinate is not a number or beyond 1e10 (mjMAXVAL).
+#: Words in MuJoCo's warnings that a coordinate is not a number or beyond 1e10 (mjMAXVAL).
 BLOWN_UP = "Nan, Inf or huge value"
-#: MuJoCo's message if the system refuses memory.
+#: Words in MuJoCo's message that there is not enough memory.
 NO_MEMORY = "Could not allocate memory"
-#: Change of a coordinate in finite differences, as in MuJoCo's tutorials.
+#: Change of a coordinate in finite differences, rad or rad/s; the value of MuJoCo's tutorials.
 EPSILON = 1e-6
 #: A snapshot: time, qpos, qvel and the number of steps taken, as the bytes of an array.
 Snapshot = bytes
@@ -45,10 +45,10 @@ class MuJoCoSession(CoordinateSession):
 
     Parameters
     ----------
-    scenario : the scene that is simulated, for its rotors and for the audit
+    scenario : the scene that is simulated
     model : the compiled model, with options and effects set
     has_clock : whether MuJoCo reads the clock that its Python package installs
-    tied : time constant of contacts, in timesteps; 0 leaves the model's
+    tied : time constant of contacts, in timesteps; 0 to keep the model's own
     """
 
     def __init__(
@@ -56,7 +56,8 @@ class MuJoCoSession(CoordinateSession):
     ) -> None:
         super().__init__(scenario, model)
         self.model, self.data, self._tied = model, at_start(model), tied
-        # One array for all snapshots: fetching MuJoCo's own arrays would double the time.
+        # One array that each snapshot is read into: fetching MuJoCo's own arrays takes twice as
+        # long.
         self._reading = np.empty(1 + mujoco.mj_stateSize(model, READ))
         self._read = self._reading[1:]
         self._steps = 0
@@ -72,7 +73,7 @@ class MuJoCoSession(CoordinateSession):
         set_timestep(self.model, timestep, self._tied)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Reset the data by `mj_resetData`, set the coordinates of the state, forget warnings."""
+        """Reset the data by `mj_resetData`, set the coordinates of a state, and forget warnings."""
         if timestep is not None:
             self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
@@ -83,12 +84,12 @@ class MuJoCoSession(CoordinateSession):
     def advance(self, steps: int) -> None:
         """Take steps in one native loop; MuJoCo's warnings are kept for `check` and `snapshot`."""
         with self._stepping():
-            # The number is passed by position: by keyword it would cost a fifth of a step.
+            # Passing `steps` by keyword would take a fifth of the time of a step longer.
             mujoco.mj_step(self.model, self.data, steps)
         self._steps += steps
 
     def record(self, strides: Sequence[int], keep: Callable[[Snapshot], object]) -> None:
-        """Take steps and keep snapshots; the collecting of warnings is set up once for the run."""
+        """Take steps and pass on snapshots; warnings are redirected once for all of them."""
         step, model, data = mujoco.mj_step, self.model, self.data
         with self._stepping():
             for steps in strides:
@@ -99,9 +100,9 @@ class MuJoCoSession(CoordinateSession):
 
     @contextmanager
     def _stepping(self) -> Iterator[None]:
-        """Set or remove the clock, and collect MuJoCo's warnings, inside the block.
+        """Set or remove the clock, and collect MuJoCo's warnings inside the block.
 
-        An error that makes MuJoCo stop is raised as `EngineError`.
+        A fatal error of MuJoCo is raised as `EngineError`.
         """
         clock.hang(self._clock)
         try:
@@ -119,7 +120,7 @@ class MuJoCoSession(CoordinateSession):
             raise EngineError(f"MuJoCo counted {counted} kinds of warning", "warning")
 
     def snapshot(self) -> Snapshot:
-        """Return the state as MuJoCo holds it; raise `EngineError` if MuJoCo has warned."""
+        """Return the present snapshot; raise `EngineError` if MuJoCo has warned."""
         if self._warnings:
             warned = f"MuJoCo warned: {self._warnings[0]}"
             fault = self.first_fault([self._bytes()], self.read_state())
@@ -129,9 +130,9 @@ class MuJoCoSession(CoordinateSession):
         return self._bytes()
 
     def states(self, snapshots: Sequence[Snapshot]) -> State:
-        """Return the states of n snapshots, from qpos and qvel alone.
+        """Return the states of n snapshots, computed from qpos and qvel alone.
 
-        MuJoCo's derived data (xipos, cvel) would be one step old.
+        MuJoCo's derived data (xipos, cvel) are those of the step before.
         """
         _, qpos, qvel = np.split(_rows(snapshots), [2, 2 + self.model.nq], axis=1)
         return self.states_at(qpos, qvel)
@@ -141,14 +142,14 @@ class MuJoCoSession(CoordinateSession):
         snapshots: Sequence[Snapshot],
         states: State,  # noqa: ARG002
     ) -> Fault | None:
-        """Return a fault for the first snapshot whose clock does not match the steps taken.
+        """Return a fault for the first snapshot whose time does not match the steps taken.
 
-        It is None if all match.
+        It is None if all times match.
         """
         timestep = self.model.opt.timestep
         steps, times = _rows(snapshots)[:, :2].T
         expected = steps * timestep
-        # The clock is a running sum; its rounding error is far below half a step.
+        # MuJoCo's time is a running sum, whose rounding error is far less than half a step.
         is_off = ~(np.abs(times - expected) < timestep / 2)
         if not is_off.any():
             return None
@@ -160,27 +161,27 @@ class MuJoCoSession(CoordinateSession):
         return Fault(first, "clock", reason)
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as model, data and callbacks of the process tell.
+        """Return what acts on the body, as found in model, data and callbacks of the process.
 
-        "clock" is among it if MuJoCo reads a clock while it steps.
+        "clock" is included if MuJoCo reads a clock while it steps.
         """
         clock.hang(self._clock)
         names_acting = acting(self.model, self.data, self._scenario)
         return names_acting | {clock.CLOCK} if clock.is_hung() else names_acting
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the derivatives that `mjd_transitionFD` finds by finite differences of a step."""
+        """Return derivatives of a step, computed by `mjd_transitionFD` with finite differences."""
         return {
             f"mjd_transitionFD, {way}": Derivative(partial(self._transition, centred), EPSILON)
             for way, centred in {"forward": False, "centred": True}.items()
         }
 
     def _transition(self, centred: bool) -> FloatArray:
-        """Return the derivative of a step by a turn and ω, body axes, (6, 6).
+        """Return the derivative of a step in the chart, (6, 6).
 
-        These are rows and columns of MuJoCo's matrix A, whose tangent of a quaternion is a turn in
-        body axes. `centred` says whether differences are centred or forward. It raises
-        `UnsupportedError` if MuJoCo refuses, or the body is on hinges.
+        It consists of rows and columns of MuJoCo's matrix A, in which a turn in body axes stands
+        for the quaternion. `centred` says whether differences are centred or forward.
+        `UnsupportedError` is raised if MuJoCo refuses, or if the body is on hinges.
         """
         nv = self.model.nv
         A = np.zeros((2 * nv, 2 * nv))
@@ -193,7 +194,7 @@ class MuJoCoSession(CoordinateSession):
         return A[np.ix_(kept, kept)]
 
     def close(self) -> None:
-        """Drop model and data, which MuJoCo frees with the last reference; restore the clock."""
+        """Drop model and data, and restore the clock of MuJoCo's package."""
         clock.hang(clock.SHIPPED)
         del self.model, self.data
 
@@ -205,7 +206,10 @@ class MuJoCoSession(CoordinateSession):
 
 
 def _rows(snapshots: Sequence[Snapshot]) -> FloatArray:
-    """Return n snapshots as rows: number of steps, time, s, qpos and qvel, (n, 2 + nq + nv)."""
+    """Return n snapshots as the rows of an array, (n, 2 + nq + nv).
+
+    A row has the number of steps, the time, s, qpos and qvel.
+    """
     return np.frombuffer(bytearray().join(snapshots)).reshape(len(snapshots), -1)
 
 
@@ -221,12 +225,12 @@ def check_not_too_small(scenario: Scenario) -> None:
 
 
 def compiled(build: Callable[[], Any]) -> Any:
-    """Return the model that `build` compiles; any warning of the compiler is an error.
+    """Return the model that `build` compiles; a warning of the compiler is raised as an error.
 
     Raises
     ------
     EngineError
-        With the compiler's message, if it refuses the model or warns.
+        If the compiler refuses the model or warns; the message is the compiler's.
     MemoryError
         If there is not enough memory.
     """
@@ -248,9 +252,9 @@ def compiled(build: Callable[[], Any]) -> Any:
 
 @contextmanager
 def _hearing(messages: list[str]) -> Iterator[None]:
-    """Append MuJoCo's warnings inside the block to `messages`.
+    """Append to `messages` the warnings that MuJoCo gives inside the block.
 
-    By default MuJoCo writes them to the terminal and to MUJOCO_LOG.TXT.
+    Otherwise MuJoCo would write them to the terminal and to MUJOCO_LOG.TXT.
     """
     previous = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(messages.append)

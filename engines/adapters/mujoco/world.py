@@ -1,4 +1,4 @@
-"""A MuJoCo model of one body, at its start and with passes switched off; needs `mujoco` alone."""
+"""Sets passes, timestep and start of a MuJoCo model of one body; it needs `mujoco` alone."""
 
 from functools import cache
 
@@ -6,10 +6,10 @@ import mujoco
 
 
 def disable(model, passes):
-    """Switch passes off in a compiled model, by MuJoCo's names for its flags.
+    """Switch off passes in a compiled model.
 
-    A flag shared by several passes is set only if all of them are to be off; flags that this
-    version lacks are skipped.
+    `passes` has MuJoCo's names of the flags that disable them. If several passes share a flag, it
+    is set only if all of them are to be off. Flags that this version lacks are skipped.
     """
     bits, passes = disabling(), set(passes)
     kept = {bit for name, bit in bits.items() if name not in passes}
@@ -22,27 +22,27 @@ def disable(model, passes):
 def disabling():
     """Return the bits of MuJoCo's flags that disable passes, by name."""
     bits = flags(mujoco.mjtDisableBit, "mjDSBL_")
-    # Up to 3.3.0 one flag switches both passes.
+    # Up to 3.3.0 the passes for springs and dampers share one flag.
     passive = bits.pop("passive", 0)
     return bits | ({"spring": passive, "damper": passive} if passive else {})
 
 
 def flags(enum, prefix):
-    """Return the bits of MuJoCo's flags by the names that MJCF gives them.
+    """Return the bits of MuJoCo's flags, by their names in MJCF.
 
     Parameters
     ----------
     enum : one of MuJoCo's enumerations
-    prefix : what the names of its flags begin with
+    prefix : beginning of the names of flags in this enumeration, which MJCF leaves out
     """
     members = enum.__members__.items()
     return {key.removeprefix(prefix).lower(): int(bit) for key, bit in members if prefix in key}
 
 
 def set_timestep(model, timestep, tied):
-    """Set the timestep, s, and with `tied` > 0 the time constant of contacts, in timesteps.
+    """Set the timestep, s, of a model, and the time constant of its contacts.
 
-    With `tied` = 0 the model's own time constants are left.
+    `tied` is that time constant in timesteps; 0 to keep the model's own.
     """
     model.opt.timestep = timestep
     if tied:

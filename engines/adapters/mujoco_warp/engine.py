@@ -1,4 +1,4 @@
-"""MuJoCo Warp: the scene as MJCF, MuJoCo's integrators in kernels of Warp."""
+"""MuJoCo Warp: the scene is MJCF, and MuJoCo's integrators are Warp's kernels."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -16,7 +16,7 @@ from ..mujoco.engine import setup
 from ..mujoco.port import PortBatch, PortSession, left_in, port_script, starts
 from ..mujoco.session import check_not_too_small, compiled
 
-#: Flags of MuJoCo that MuJoCo Warp refuses, because it has no such passes.
+#: MuJoCo's names of flags that MuJoCo Warp does not accept, because it has no such passes.
 ALWAYS_ON = ("midphase", "autoreset")
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 _MADE = """\
@@ -25,13 +25,13 @@ world = World([model], [0], TIMESTEP, {qpos}, {qvel})"""
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    """Return the method of one of MuJoCo's integrators, by its name in MJCF."""
+    """Return the method that uses one of MuJoCo's integrators, named as in MJCF."""
     return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 
 @final
 class MuJoCoWarp(Engine):
-    """The engine MuJoCo Warp, in single precision, the only one that it has."""
+    """The engine MuJoCo Warp, which computes in single precision only."""
 
     interface = 2
     name = "mujoco-warp"
@@ -49,11 +49,11 @@ class MuJoCoWarp(Engine):
 
     @property
     def version(self) -> str:
-        """The versions of the package and of the MuJoCo that compiles its models."""
+        """The version of the package `mujoco-warp`, and of the MuJoCo that compiles its models."""
         return f"{version('mujoco-warp')} (MuJoCo {mujoco.mj_versionString()})"
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Compile the scene's MJCF, and hand it to MuJoCo Warp."""
+        """Compile the scene's MJCF by MuJoCo, and load it in MuJoCo Warp; return the session."""
         world = self._world([scenario], method, timestep)
         return PortSession(scenario, world.model, world, ALWAYS_ON)
 
@@ -62,15 +62,15 @@ class MuJoCoWarp(Engine):
         use_warp_device(f"{__package__}.world", name)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """Open a batch; each different scene's MJCF is compiled once."""
+        """Open a batch with a world for each scene; the MJCF of equal scenes is compiled once."""
         world = self._world(scenarios, method, timestep)
         session = PortSession(scenarios[0], world.model, world, ALWAYS_ON)
         return PortBatch(session, world, warp_device())
 
     def _world(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Any:
-        """Return MuJoCo Warp's worlds of scenes, one for each scene.
+        """Return a `World` of the adapter's `world.py` that holds a world for each scene.
 
-        It raises `UnsupportedError` if a body is too small for MuJoCo, `EngineError` if MuJoCo's
+        `UnsupportedError` is raised if a body is too small for MuJoCo, `EngineError` if MuJoCo's
         compiler refuses a model.
         """
         different = list(dict.fromkeys(scenarios))
@@ -90,6 +90,6 @@ class MuJoCoWarp(Engine):
         return mjcf(scenario, self.stock_timestep, integrator, passes)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
-        """Return the MJCF, and the few calls that step it, as Python."""
+        """Return a Python script with the scene's MJCF and the few calls that step it."""
         world = Path(__file__).with_name("world.py")
         return port_script(world, scenario, self._text(scenario, method), _MADE)

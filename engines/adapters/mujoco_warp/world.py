@@ -12,9 +12,9 @@ wp.set_device("cpu")
 
 
 class FirstWorld:
-    """MuJoCo Warp's model or data of the first world: MuJoCo's field names, and numpy's arrays.
+    """A view of the first world's model or data, with MuJoCo's field names and arrays of numpy.
 
-    A field that MuJoCo Warp does not have is read from MuJoCo's own model or data.
+    Fields that MuJoCo Warp does not have are read from MuJoCo's own model or data.
 
     Parameters
     ----------
@@ -37,15 +37,15 @@ class FirstWorld:
 
 
 def in_warp(compiled, worlds):
-    """Return MuJoCo Warp's model of many worlds.
+    """Return MuJoCo Warp's model for several worlds.
 
-    Fields that may differ between worlds, such as masses and inertias, are arrays over worlds where
-    they differ; all others are the first model's.
+    A field that may differ between worlds, such as a mass, is an array with a row for each world if
+    the models differ in it. All other fields are those of the first model.
 
     Parameters
     ----------
     compiled : MuJoCo's models
-    worlds : for each world, the index of its model
+    worlds : index, in `compiled`, of the model of each world
     """
     first, *others = (mjw.put_model(one) for one in compiled)
     for field in fields(mjw.Model):
@@ -59,7 +59,7 @@ def in_warp(compiled, worlds):
 
 
 def arrays_of(data):
-    """Yield the arrays of MuJoCo Warp's data, those of the dataclasses within it included."""
+    """Yield the arrays of MuJoCo Warp's data, including those of dataclasses in it."""
     for field in fields(data):
         value = getattr(data, field.name)
         if is_dataclass(value):
@@ -74,9 +74,10 @@ class World:
     Parameters
     ----------
     compiled : MuJoCo's models
-    worlds : for each world, the index of its model
-    timestep : s
-    qpos, qvel : coordinates and velocities of the start, with a row for each world
+    worlds : index, in `compiled`, of the model of each world
+    timestep : length of the steps, s
+    qpos : coordinates at the start, (worlds, nq)
+    qvel : velocities at the start, (worlds, nv)
     """
 
     def __init__(self, compiled, worlds, timestep, qpos, qvel):
@@ -86,7 +87,7 @@ class World:
         self.model = FirstWorld(self.on_device, compiled[0])
         self.at_rest = mujoco.MjData(compiled[0])
         self.set_timestep(timestep)
-        mjw.step(self.on_device, self.there)  # loads the kernels, which a recording may not load
+        mjw.step(self.on_device, self.there)  # loads the kernels, impossible while recording
         with wp.ScopedCapture() as capture:
             mjw.step(self.on_device, self.there)
         self.graph = capture.graph
@@ -97,9 +98,9 @@ class World:
         self.on_device.opt.timestep.fill_(timestep)
 
     def restart(self, qpos, qvel):
-        """Set other coordinates, and remove every trace of earlier steps.
+        """Set the coordinates and velocities of all worlds; nothing of earlier steps is left.
 
-        `mjw.reset_data` does the same, and hashes kernels anew in each call: 0.2 s.
+        `mjw.reset_data` does the same, but takes 0.2 s, since it hashes kernels in each call.
         """
         for array, unstepped in self.unstepped:
             wp.copy(array, unstepped)
@@ -108,13 +109,13 @@ class World:
             self.there.qvel.assign(np.atleast_2d(qvel).astype(np.float32))
 
     def advance(self, steps):
-        """Take steps by replaying a captured graph: a hundredth of the time of Python's calls."""
+        """Take `steps` steps by replaying the recorded step, a hundred times as fast as calls."""
         for _ in range(steps):
             wp.capture_launch(self.graph)
-        wp.synchronize_device()  # waits for a GPU, which takes the steps later
+        wp.synchronize_device()  # waits until a GPU has taken the steps
 
     def motions(self, places):
-        """Return qpos and qvel of the worlds with indices `places`, one a row."""
+        """Return qpos and qvel, a row for each world whose index is in `places`."""
         return np.concatenate([self.there.qpos.numpy(), self.there.qvel.numpy()], axis=1)[places]
 
     def data(self):

@@ -1,6 +1,7 @@
 """Newton's rigid-body solvers, in single precision, on the CPU.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,16 +32,17 @@ from ...world_session import RecordBatch, WorldSession
 from .model_reader import NewtonModelReader
 
 #: Effects that solvers in joint coordinates can simulate. A rotor is a link on a revolute or fixed
-#: joint, and a driven one needs an armature. The other solvers have none, and so get no rotors.
+#: joint, with an armature if it is driven. The other solvers have no armatures, and so do not
+#: simulate rotors.
 EFFECTS = COMMON_EFFECTS | {"rotors"}
-#: The version of MuJoCo and MuJoCo Warp that each version of Newton requires, from its metadata.
-#: Any other version of Newton gets that of the newest one here.
+#: Version of MuJoCo and MuJoCo Warp that each version of Newton requires, from its metadata. For a
+#: version of Newton that is not listed, the version of the newest one is taken.
 MUJOCO: dict[tuple[int, ...], str] = {(1, 8): "3.17.0", (1, 7): "3.15.0"}
-#: Relative rounding of numbers in single precision.
+#: Relative tolerance of numbers that were rounded to single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
-#: The smallest positive number that single precision holds to its full 24 bits.
+#: The smallest positive normal number of single precision.
 SMALLEST = float(np.finfo(np.float32).tiny)
-#: Lines that users write to make a solver.
+#: Lines by which users make a solver and take a step.
 SETUP = """\
 solver = newton.solvers.Solver{}
 solver.step(state_in, state_out, control, contacts, TIMESTEP)"""
@@ -48,23 +50,23 @@ solver.step(state_in, state_out, control, contacts, TIMESTEP)"""
 
 @final
 class NewtonSession(WorldSession):
-    """A session of one body in a Newton model of its own; the body's frame is at its joint."""
+    """A session of one body in a Newton model of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, relative to its joint."""
+        """Return the body as the solver holds it, from the joint, in the record's axes."""
         arm = None if self.scene["arm"] is None else np.zeros(3)
         first, *others = self._bodies()
         rotors = zip(others, self.world.model.joint_type.numpy()[1:], strict=True)
         return WorldBody(*first, arm, [self._rotor(k, *one) for k, one in enumerate(rotors, 1)])
 
     def _bodies(self) -> list[tuple[float, FloatArray, FloatArray]]:
-        """Return mass, com and tensor about the com of each body, SI units, in the body's axes."""
+        """Return each body's mass, kg, com, m, and tensor about the com, kg m², in its own axes."""
         model, solved = self.world.model, getattr(self.world.solver, "mjw_model", None)
         if solved is None:
             arrays = model.body_mass, model.body_com, model.body_inertia
             return list(zip(*(array.numpy().astype(float) for array in arrays), strict=True))
         names = ("body_mass", "body_ipos", "body_inertia", "body_iquat")
-        # The solver's arrays are read for the first world, whose first body is the ground.
+        # The arrays have a row for each world; the first body of a world is the ground.
         rows = zip(
             *(getattr(solved, name).numpy()[0][1:].astype(float) for name in names), strict=True
         )
@@ -74,12 +76,12 @@ class NewtonSession(WorldSession):
         ]
 
     def _rotor(self, number: int, body: Any, kind: int) -> HeldRotor:
-        """Return a rotor in the body's axes, which are its own at the joint's angle 0.
+        """Return a rotor in the body's axes, which are also the rotor's at joint angle 0.
 
         Parameters
         ----------
         number : index of the rotor's joint
-        body : mass, com and tensor of the rotor, in its own axes
+        body : mass, com and tensor of the rotor, in its own axes, from `_bodies`
         kind : Newton's type of the joint
         """
         mass, com, tensor = body
@@ -92,13 +94,13 @@ class NewtonSession(WorldSession):
         return HeldRotor(mass, place, tensor, axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the derivative of a solver's steps by Warp's tape."""
+        """Return the derivative of one step or many, computed by Warp's tape."""
         return {"Warp's tape": Derivative(self._taped, through=self._taped)}
 
     def _taped(self, steps: int = 1) -> FloatArray:
-        """Return the derivative of steps by turn and ω, body axes, (6, 6).
+        """Return the derivative of the next steps in the chart, (6, 6).
 
-        It raises `UnsupportedError` if the solver does not accept a model with gradients.
+        `UnsupportedError` is raised if the solver does not accept a model with gradients.
         """
         motion = self.frame.motion(self.read_state())
         try:
@@ -110,7 +112,7 @@ class NewtonSession(WorldSession):
 
     @cached_property
     def _tape(self) -> Any:
-        """The scene's second model, by which steps are differentiated; made when first needed."""
+        """A second model of the scene, in which steps are differentiated; made on first use."""
         return import_module(f"{__package__}.tape").Tape(self.world)
 
     def active(self) -> frozenset[str]:
@@ -121,7 +123,7 @@ class NewtonSession(WorldSession):
         wanted = push(self.scene, matrix(motion[:4]), motion[4:7])
         world.push(world.now)
         force, torque = np.split(world.now.body_f.numpy()[0].astype(float), 2)
-        # Drag and torques may nearly cancel: each is rounded by its own size.
+        # Drag and torques may nearly cancel, so rounding is relative to the sum of their sizes.
         terms = self.scene["torque_body"], self.scene["torque_world"], drag * motion[4:7]
         size = sum(map(np.linalg.norm, terms))
         pushed_right = np.linalg.norm(torque - wanted) <= SLACK * size + SMALLEST
@@ -141,12 +143,12 @@ class NewtonSession(WorldSession):
         }
         acting = {name for name, acts in named.items() if acts}
         stated_effects = scenario.called_for & scenario.pushed.keys()
-        # Drag of a spin that single precision rounds to zero is zero.
+        # A torque that is too small for single precision counts as applied.
         is_pushed = torque.any() or np.linalg.norm(wanted) <= SMALLEST
         return frozenset(acting | stated_effects if is_pushed else acting)
 
     def _damping(self) -> float:
-        """Return the rate at which the solver damps ω of the body, 1/s; 0 if it does not."""
+        """Return the rate at which the solver itself damps the body's ω, 1/s; 0 if it does not."""
         model: Any = self.world.model
         if not hasattr(model, "steel"):
             return float(getattr(self.world.solver, "angular_damping", 0.0))
@@ -154,7 +156,7 @@ class NewtonSession(WorldSession):
         return float(model.steel.rigid_body_angular_damping.numpy()[0] * is_free)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield in words how the armatures of joints differ from what the scene needs."""
+        """Yield, in words, how the armatures of joints differ from what the scene needs."""
         model = self.world.model
         armature, starts = model.joint_armature.numpy(), model.joint_qd_start.numpy()
         if armature[: starts[1]].any():
@@ -168,24 +170,27 @@ class NewtonSession(WorldSession):
 def _clean(
     name: str, order: int, summary: str, solver: str, effects: frozenset[str] = EFFECTS
 ) -> Method:
-    """Return a method that is not as shipped; `solver` is the call that makes its solver."""
+    """Return a clean method.
+
+    `solver` is the call that makes Newton's solver, for `Method.setup`.
+    """
     return Method(name, order, order, summary, effects, setup=SETUP.format(solver))
 
 
 def _mujoco(integrator: str, order: int, summary: str) -> Method:
-    """Return the method of one of MuJoCo Warp's integrators, by its name in Newton."""
+    """Return the method that uses one of MuJoCo Warp's integrators, named as in Newton."""
     solver = f'MuJoCo(model, integrator="{integrator}", disable_contacts=True)'
     return _clean(f"mujoco-{integrator}", order, f"MuJoCo Warp's {summary}", solver)
 
 
 def _shipped(name: str, summary: str, effects: frozenset[str] = EFFECTS) -> Method:
-    """Return the method of a solver with its defaults, of first order."""
+    """Return the method as shipped, of first order, that uses a solver with its defaults."""
     return Method(name, 1, 1, f"as shipped: {summary}", effects, as_shipped=True)
 
 
 @final
 class Newton(WorldEngine):
-    """The engine Newton, with the body on a free or ball joint; methods are its solvers."""
+    """The engine Newton, with the body on a free or ball joint; methods are Newton's solvers."""
 
     session = NewtonSession
     reader = NewtonModelReader()
@@ -198,8 +203,7 @@ class Newton(WorldEngine):
         _mujoco("implicitfast", 1, "Euler, implicit in velocity"),
         _mujoco("euler", 1, "semi-implicit Euler"),
         _mujoco("discrete", 1, "discrete Euler"),
-        # This solver stores an `angular_damping` and never uses it, so that as shipped it is the
-        # same.
+        # This solver does not use its `angular_damping`: a method as shipped would be the same.
         _clean(
             "featherstone", 1, "semi-implicit Euler in joint coordinates", "Featherstone(model)"
         ),
@@ -233,13 +237,16 @@ class Newton(WorldEngine):
     )
 
     def at_version(self, version: str) -> Release:
-        """Return another version of Newton, or this one, with the MuJoCo that it requires."""
+        """Return a version of Newton, with the versions of MuJoCo's packages that it requires."""
         mujoco = MUJOCO.get(numbers_of(version)[:2], MUJOCO[1, 8])
         parts = f"newton=={version}", f"mujoco=={mujoco}", f"mujoco-warp=={mujoco}"
         return Release((*parts, "warp-lang>=1.17"), self.methods)
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
-        """Return a session of a new model and solver; the user's cache keeps compiled kernels."""
+        """Return a session of a new model and solver.
+
+        Kernels that are compiled are stored in the user's cache.
+        """
         with kernels_kept():
             return super().open(scenario, method, timestep)
 
@@ -248,7 +255,7 @@ class Newton(WorldEngine):
         use_warp_device(f"{__package__}.world", name)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """Open a batch with one world of a model for each of the scenes."""
+        """Open a batch as one Newton model, with one world for each of the scenes."""
         with kernels_kept():
             world = f"{__package__}.world"
             return RecordBatch(world, scenarios, method.name, timestep, warp_device())

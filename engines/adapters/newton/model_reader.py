@@ -12,16 +12,16 @@ from ...users_models import Advice, Configuration, ModelFile, ModelReader, laid_
 from ...warp_kernels import kernels_kept
 
 COLLAPSED = "collapsed"
-#: Advice by which the tensor of each link is kept, and so that of the whole body.
+#: Advice with which each link keeps its own tensor, so that the whole body's is right, too.
 KEPT = Advice("import it without collapse_fixed_joints: Newton then has a fixed joint for each")
 
 
 @final
 class NewtonModelReader(ModelReader):
-    """A reader by `add_urdf`, `add_mjcf` and `add_usd` of `ModelBuilder`.
+    """A reader of model files by `add_urdf`, `add_mjcf` and `add_usd` of Newton's `ModelBuilder`.
 
-    Its bodies are those of the finalized model. Meshes of a URDF are read only for links that state
-    no inertia; visual shapes of an MJCF are left out.
+    Meshes of a URDF are read only for links that state no inertia; visual shapes of an MJCF are
+    left out.
     """
 
     name = "newton"
@@ -34,11 +34,11 @@ class NewtonModelReader(ModelReader):
 
     @property
     def version(self) -> str:
-        """Version of the installed package."""
+        """The version of the installed package."""
         return version("newton")
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Return the bodies of a file after it was imported and finalized."""
+        """Return the bodies of the finalized model of a file, by the names of their links."""
         with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             import newton
 
@@ -51,7 +51,7 @@ class NewtonModelReader(ModelReader):
                     add = builder.add_urdf if model.format == "urdf" else builder.add_usd
                     add(path, collapse_fixed_joints=collapsed)
                 built = builder.finalize(device="cpu")
-            # An importer may raise anything; the first line says what.
+            # An importer may raise anything; the first line of the message says what is wrong.
             except Exception as error:
                 words = str(error).partition("\n")[0] or type(error).__name__
                 raise EngineError(f"Newton refuses the file: {words}") from None
@@ -59,10 +59,10 @@ class NewtonModelReader(ModelReader):
 
 
 def _bodies(built: Any, model: ModelFile) -> dict[str, BodyReading]:
-    """Return a finalized model's bodies by the links' names.
+    """Return the bodies of a finalized model, by the names of their links.
 
-    Newton labels a body by a path that ends with the link's name, with "_" for "-"; bodies whose
-    label ends with no link's name are left out.
+    Newton labels a body with a path that ends with the link's name, in which "-" may have become
+    "_". Bodies whose label does not end with a link's name are left out.
     """
     names = {link.name.replace("-", "_"): link.name for link in model.links}
     names |= {link.name: link.name for link in model.links}

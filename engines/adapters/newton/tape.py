@@ -1,6 +1,7 @@
-"""Derivatives of a world's steps by Warp's tape, in a model of its own whose arrays have gradients.
+"""Derivatives of a world's steps by Warp's tape, which is reverse-mode differentiation.
 
-Newton's users record `solver.step` and propagate backwards from what they want differentiated.
+As Newton's users do, `solver.step` is recorded and gradients are propagated backwards. A second
+model is needed, whose arrays have gradients.
 """
 
 from typing import Any
@@ -12,15 +13,15 @@ from spincheck.engine import FloatArray, in_chart, numbers_by_chart
 
 from ...world_parts import is_pushed, matrix
 
-#: Imported as `Any`, because Warp has no types.
+#: Declared as `Any`, because Warp has no types.
 TAPE: Any = wp.Tape
-#: Where a transform has the attitude, in the order w x y z although it is stored as x y z w, and
-#: where a twist has ω.
+#: Indices in Warp's transform of the quaternion's w, x, y and z, which is stored as x y z w; and
+#: indices of ω in a twist.
 QUATERNION, TURNING = (6, 3, 4, 5), (3, 4, 5)
 
 
 class Tape:
-    """A second model of a world's scene, with gradients, whose steps Warp's tape records.
+    """A second model of a world's scene: its arrays have gradients, and Warp's tape records steps.
 
     Parameters
     ----------
@@ -35,12 +36,15 @@ class Tape:
         self._solver = world.solver_class(self._model, **world.options)
 
     def jacobian(self, motion: Any, timestep: float, steps: int) -> FloatArray:
-        """Return the Jacobian of steps from a motion by a turn and ω, axes of the record, (6, 6).
+        """Return the Jacobian of steps from a given motion in the chart, (6, 6).
+
+        The turns, rad, and ω, rad/s, are in the axes of the scene's record.
 
         Parameters
         ----------
-        motion : the motion before the steps, keyed as in the scene's record
-        timestep : s
+        motion : the motion before the steps, with the keys of the scene's record
+        timestep : length of the steps, s
+        steps : number of steps
 
         Raises
         ------
@@ -62,9 +66,9 @@ class Tape:
         return self._in_chart(motion, states[-1], self._rows(tape, start, states[-1]))
 
     def _rows(self, tape: Any, start: Any, end: Any) -> FloatArray:
-        """Return the Jacobian of the end's attitude and ω by those of the start, (7, 7).
+        """Return the Jacobian of attitude and ω at the end by those at the start, (7, 7).
 
-        Attitudes are quaternions, w x y z, and ω is along world axes.
+        Attitudes are quaternions, w x y z, and ω is in world axes.
 
         Parameters
         ----------
@@ -86,15 +90,15 @@ class Tape:
         return np.array(rows, dtype=float)
 
     def _in_chart(self, motion: Any, end: Any, rows: FloatArray) -> FloatArray:
-        """Return the Jacobian in the chart, (6, 6), given one of quaternions and ω_world, (7, 7).
+        """Return the Jacobian in the chart, (6, 6).
 
         The chart is a turn δθ and ω in body axes: ω_world is R ω, and δR is R [δθ]×.
 
         Parameters
         ----------
         motion : the motion before the steps
-        end : Newton's state after them
-        rows : the Jacobian from `_rows`
+        end : Newton's state after the steps
+        rows : the Jacobian in quaternion and ω_world, (7, 7), from `_rows`
         """
         q, q_after = np.array(motion["q"]), end.body_q.numpy()[0, list(QUATERNION)].astype(float)
         R, R_after = matrix(q), matrix(q_after)
@@ -107,5 +111,5 @@ class Tape:
 
 
 def _cross(v: FloatArray) -> FloatArray:
-    """Return the matrix M with M u = v × u, (3, 3)."""
+    """Return the matrix M, (3, 3), with M u = v × u for every vector u."""
     return np.asarray(np.cross(v, np.eye(3)).T)

@@ -1,4 +1,4 @@
-"""A Newton world of one body; it needs `newton`, numpy, and `mujoco-warp` for one solver."""
+"""A Newton world of one body; it needs `newton`, numpy, and for one solver `mujoco-warp`."""
 
 from itertools import groupby
 
@@ -10,7 +10,7 @@ from ...world_parts import drive, is_pushed, matrix, rotor_tensor
 
 wp.config.log_level = wp.LOG_ERROR
 wp.set_device("cpu")
-#: The solver of each method, and its options.
+#: Newton's solver for each method, and the solver's options.
 SOLVERS = {
     **{
         f"mujoco-{name}": ("MuJoCo", {"integrator": name, "disable_contacts": True})
@@ -36,9 +36,10 @@ def push_bodies(
     bodies: int,
     wrench: wp.array(dtype=wp.spatial_vector),
 ):
-    """Set the scene's torques on the first of the `bodies` bodies of each world; a Warp kernel.
+    """Write the force and torque on the first body of each world into `wrench`; a Warp kernel.
 
-    Drag, N m s, and torques, N m, are those of the record; `wrench` receives force and torque.
+    Drag, N m s, and torques, N m, are those of the record. `bodies` is the number of bodies in a
+    world.
     """
     i = wp.tid() * bodies
     turned = wp.quat_rotate(wp.transform_get_rotation(pose[i]), torque_body)
@@ -53,20 +54,20 @@ def transform(place, q_wxyz=(1.0, 0.0, 0.0, 0.0)):
 
 
 def lever_of(scene):
-    """Return the vector from the joint to the com, m, axes of the record, (3,)."""
+    """Return the vector from the body's joint to its com, m, in the axes of the record, (3,)."""
     return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
 
 class World:
-    """One body on a free joint at its com, or on a ball joint; its rotors on hinges.
+    """One body on a free joint at its com, or on a ball joint at its pivot; rotors are on hinges.
 
     Parameters
     ----------
     scene : the scene's record
     method : key of `SOLVERS`
-    timestep : s
-    others : the records of more scenes, whose worlds share one model; gravity, drag and torques of
-        all worlds are those of `scene`
+    timestep : length of the steps, s
+    others : records of more scenes, each a further world of the same model; gravity, drag and
+        torques of all worlds are those of `scene`
     """
 
     def __init__(self, scene, method, timestep, others=()):
@@ -92,11 +93,11 @@ class World:
         self.bodies = self.model.body_count // len(self.scenes)
         self.graphs = {}
         self.restart(self.scenes, timestep)
-        self.advance(2)  # records the step, so that no step that is timed does
+        self.advance(2)  # records the step now, so that it does not count when steps are timed
         self.restart(self.scenes, timestep)
 
     def builder(self):
-        """Return an empty model builder with the scene's gravity."""
+        """Return a model builder that has no body yet, with the scene's gravity."""
         builder = newton.ModelBuilder(gravity=tuple(self.scene["gravity"]))
         if hasattr(self.solver_class, "register_custom_attributes"):
             self.solver_class.register_custom_attributes(builder)
@@ -112,14 +113,22 @@ class World:
         builder.add_articulation([root, *hinges])
 
     def add_body(self, builder, mass, com, tensor):
-        """Add a body, given mass, com and tensor about the com, SI units; return its number."""
+        """Add a body; return its number.
+
+        `mass` is in kg, `com` in m, and `tensor`, about the com, in kg m².
+        """
         inertia = wp.mat33(*tensor.ravel())
         return builder.add_link(mass=mass, com=wp.vec3(*com), inertia=inertia, lock_inertia=True)
 
     def add_rotor(self, builder, body, lever, rotor):
-        """Add a rotor of the record at its place on a body; return the number of its joint.
+        """Add a rotor at its place on a body; return the number of its joint.
 
-        `lever` is the vector from the body's joint to its com, m, axes of the record, (3,).
+        Parameters
+        ----------
+        builder : the model builder
+        body : number of the body
+        lever : vector from the body's joint to its com, m, in the axes of the record, (3,)
+        rotor : the rotor's entry in the record
         """
         child = self.add_body(builder, rotor["mass"], np.zeros(3), rotor_tensor(rotor))
         at = transform(lever + rotor["place"])
@@ -131,9 +140,12 @@ class World:
         )
 
     def restart(self, motion, timestep):
-        """Set another motion, keyed as in the scene's record, or a list with one for each world.
+        """Set another motion and timestep; nothing of earlier steps is left.
 
-        `timestep` is that of the steps from now on, s; earlier steps are forgotten.
+        Parameters
+        ----------
+        motion : a motion with the keys of the scene's record, or a list with one for each world
+        timestep : length of the steps from now on, s
         """
         self.timestep = timestep
         motions = motion if isinstance(motion, list) else [motion]
@@ -147,11 +159,16 @@ class World:
         self.then.assign(self.now)
 
     def coordinates(self, scene, motion):
-        """Return the coordinates of all joints of a scene at a motion, and their velocities.
+        """Return the coordinates and the velocities of all joints of a scene, as two lists.
 
-        They are two lists. Those of a free joint are com, m, and attitude, x y z w; the com's
-        velocity, m/s, and ω, rad/s, in world axes. A ball joint has only attitude and ω. Rotors
-        that are not locked come last: angles, all 0, and spins, rad/s.
+        The coordinates of a free joint are com, m, and attitude, x y z w. Its velocities are that
+        of the com, m/s, and ω, rad/s, in world axes. A ball joint has only attitude and ω. Rotors
+        that are not locked come last, with angle 0 and their spins, rad/s.
+
+        Parameters
+        ----------
+        scene : the scene's record
+        motion : the motion, with the keys of a record
         """
         w, *xyz = motion["q"]
         spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)
@@ -160,9 +177,10 @@ class World:
         return [*place, *xyz, w, *np.zeros(len(spins))], [*velocity, *motion["omega"], *spins]
 
     def motion(self, world=0):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins.
+        """Return the state of the world with a given index as one array, (13 + rotors,).
 
-        `world` is the index of a world.
+        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, all in world axes,
+        and the spins, rad/s.
         """
         scene, own = self.scenes[world], slice(world * self.bodies, (world + 1) * self.bodies)
         poses = self.now.body_q.numpy()[own].astype(float)
@@ -178,31 +196,32 @@ class World:
         return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
 
     def motions(self, worlds):
-        """Return the motions of the worlds with given indices, each as `motion` gives it."""
+        """Return a list of the states of the worlds with given indices, each in `motion`'s form."""
         return [self.motion(world) for world in worlds]
 
     def push(self, state):
-        """Set the torques on the bodies of a state; they stay constant during a step."""
+        """Set the scene's torques on the bodies of a state; they stay constant during a step."""
         scene = self.scene
         numbers = wp.vec3(*scene["torque_body"]), wp.vec3(*scene["torque_world"])
         inputs = [state.body_q, state.body_qd, scene["drag"], *numbers, self.bodies, state.body_f]
         wp.launch(push_bodies, dim=len(self.scenes), inputs=inputs)
 
     def step(self, timestep):
-        """Take a step of a length, s."""
+        """Take a step of length `timestep`, s."""
         if is_pushed(self.scene):
             self.push(self.now)
         self.solver.step(self.now, self.then, self.control, None, timestep)
         self.now.assign(self.then)
 
     def advance(self, steps):
-        """Take steps: the first with a timestep by Python's calls, all others by a recorded graph.
+        """Take `steps` steps; all but the first with a timestep replay a recorded graph.
 
-        A step's launches are recorded once for each timestep. A recorded step takes a hundredth of
-        the time of Python's calls; recording takes as long as two steps.
+        The first step with a timestep is taken by calls from Python. Then the kernel launches of a
+        step are recorded once, and all further steps launch the recorded graph, which takes a
+        hundredth of the time of the calls. Recording takes as long as two steps.
         """
         if steps and self.timestep not in self.graphs:
-            self.step(self.timestep)  # loads the kernels, which a recording may not load
+            self.step(self.timestep)  # loads the kernels, which is not possible while recording
             self.graphs[self.timestep] = None
             steps -= 1
         if steps and self.graphs[self.timestep] is None:
@@ -211,4 +230,4 @@ class World:
             self.graphs[self.timestep] = capture.graph
         for _ in range(steps):
             wp.capture_launch(self.graphs[self.timestep])
-        wp.synchronize_device()  # waits for a GPU, which takes the steps later
+        wp.synchronize_device()  # waits until a GPU has taken the steps

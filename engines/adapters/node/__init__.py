@@ -1,7 +1,7 @@
-"""Engines that run under node, by the child protocol: one `.mjs` file each.
+"""Engines that run under node as child processes: each has one `.mjs` file in this folder.
 
-Their packages, of the versions in `package-lock.json`, are in the user's cache once
-`python -m spincheck.engines.adapters.node` has put them there.
+The command `python -m spincheck.engines.adapters.node` installs their npm packages, at the versions
+in `package-lock.json`, into the user's cache.
 """
 
 from .discovered import discovered

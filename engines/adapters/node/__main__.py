@@ -14,9 +14,11 @@ PATIENCE = 3600.0
 
 
 def main() -> int:
-    """Install the packages unless they are installed, and print each engine's version.
+    """Install the npm packages if they are missing, and print each engine's version.
 
-    Returns the exit code: 3 if npm is not installed, 1 if npm cannot install the packages or an
+    If an engine does not start, the reason is printed instead.
+
+    It returns the exit code: 3 if npm is not installed, 1 if npm cannot install the packages or an
     engine does not start, else 0.
     """
     npm = shutil.which("npm")

@@ -1,4 +1,4 @@
-"""Finds the engines under node; each is started only once to ask what it is, then remembered."""
+"""Finds the engines under node. Each is started once, and its description of itself is stored."""
 
 import shutil
 from collections.abc import Iterator
@@ -17,16 +17,16 @@ from ...user_cache import user_cache
 from .script import script
 
 HERE = Path(__file__).parent
-#: The modules that the files of engines import.
+#: Modules that the engines' `.mjs` files import.
 PARTS = tuple(sorted((HERE / "parts").glob("*.mjs")))
 LOCK = HERE / "package-lock.json"
-#: Name of the family, by which users ask for all of these engines.
+#: Name by which users ask for all engines under node (`Engine.family`).
 FAMILY = "node"
 HOW = "python -m spincheck.engines.adapters.node"
 
 
 def discovered() -> Iterator[Engine | Missing]:
-    """Yield every engine that has a file in this folder, or the reason why it is missing."""
+    """Yield every engine that has an `.mjs` file in this folder, or a `Missing` with the reason."""
     files = sorted(HERE.glob("*.mjs"))
     if shutil.which("node") is None:
         yield from (Missing(f.stem, "node", "node is not installed", FAMILY) for f in files)
@@ -41,16 +41,18 @@ def discovered() -> Iterator[Engine | Missing]:
 
 
 def modules_folder() -> Path:
-    """Return the folder of the npm packages; its path has a digest of the lock file."""
+    """Return the folder of the npm packages, which exists if they are installed.
+
+    Its path has a digest of `package-lock.json`: other versions are in another folder.
+    """
     digest = sha256(LOCK.read_bytes()).hexdigest()[:16]
     return user_cache() / "node" / digest / "node_modules"
 
 
 def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
-    """Return the engine in a file, starting it only if its description is not stored.
+    """Return the engine in a file, or a `Missing` with the reason if it does not start.
 
-    An engine that was started has its description stored. If it does not start, the reason is
-    returned.
+    The engine is started only if its description is not stored; it is then stored.
 
     Parameters
     ----------
@@ -71,7 +73,13 @@ def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
 
 
 def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEngine:
-    """Return the engine that a command starts, given its description and its `.mjs` file."""
+    """Return the engine that a command starts.
+
+    Parameters
+    ----------
+    hello : the engine's description of itself
+    path : the engine's `.mjs` file
+    """
     sources = (path, *PARTS, LOCK)
     engine = ChildEngine(command, hello, sources=sources, script=partial(script, path))
     engine.family = FAMILY
@@ -79,9 +87,7 @@ def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEn
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:
-    """Return an engine's description as stored when it was first started.
-
-    It is None if none is stored, or if the stored one cannot be read.
+    """Return an engine's stored description; None if there is none that can be read.
 
     Parameters
     ----------
@@ -95,7 +101,10 @@ def _said_before(path: Path, modules: Path) -> Hello | None:
 
 
 def _memory(path: Path, modules: Path) -> Path:
-    """Return the file that stores an engine's description, named by a digest of its sources."""
+    """Return the path of the file that stores an engine's description.
+
+    Its name has a digest of the engine's `.mjs` file, `path`, and of the modules that it imports.
+    """
     files = (path, *PARTS)
     digest = sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]
     return modules.parent / f"{path.stem}-{digest}.json"

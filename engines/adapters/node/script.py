@@ -1,7 +1,7 @@
-"""A run of an engine under node as JavaScript that needs its npm package alone.
+"""JavaScript that makes a run of an engine under node and needs only the engine's npm package.
 
-It is the text of the engine's own file up to the end of its function `open`, without the protocol
-that follows, together with the modules that the file imports and the scene as `open` receives it.
+It consists of the modules that the engine's `.mjs` file imports, of that file up to the end of its
+function `open`, without the protocol that follows, and of the scene record that `open` takes.
 """
 
 import json
@@ -15,7 +15,7 @@ from ...scene_record import ABOUT, scene_record
 HERE = Path(__file__).parent
 #: Pattern of an import from the folder `parts`: the names, and the file.
 _IMPORT = re.compile(r"^import \{ (.+) \} from '\./(parts/[\w-]+\.mjs)';\n", re.MULTILINE)
-#: Pattern of the function that builds the scene, up to its last line.
+#: Pattern of the whole function that builds the scene.
 _OPEN = re.compile(r"^function open\(.*?^\}\n", re.MULTILINE | re.DOTALL)
 _SCRIPT = """\
 // Run it with node in the folder in which `npm install {package}` was run, or give it the path of
@@ -41,9 +41,13 @@ function state() {{
 
 
 def script(path: Path, scenario: Scenario, method: Method) -> str:
-    """Return JavaScript that builds and steps a scene with a method of the engine in `path`.
+    """Return JavaScript that builds and steps a scene with a method of an engine.
 
-    The timestep is left to the name `TIMESTEP`, which the code does not define.
+    The code uses the name `TIMESTEP` for the timestep, s, and does not define it.
+
+    Parameters
+    ----------
+    path : the engine's `.mjs` file
     """
     text = path.read_text(encoding="utf-8")
     found = _OPEN.search(text)
@@ -65,14 +69,14 @@ def script(path: Path, scenario: Scenario, method: Method) -> str:
 
 
 def _part(path: Path) -> str:
-    """Return the text of a module without the word "export" before what it defines."""
+    """Return the text of a module without the word "export" before its definitions."""
     return re.sub(r"^export ", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
 
 
 def _package(text: str) -> str:
-    """Return the npm package that an engine's file loads, as name@version.
+    """Return the npm package that an engine loads, as name@version.
 
-    The version is the one in `package.json`. `text` is the engine's file.
+    The version is the one in `package.json`. `text` is the text of the engine's `.mjs` file.
     """
     wanted = json.loads((HERE / "package.json").read_text(encoding="utf-8"))["dependencies"]
     (package,) = (f"{name}@{version}" for name, version in wanted.items() if f"'{name}/" in text)

@@ -1,7 +1,7 @@
 """Pinocchio, rigid-body dynamics without integrators of its own, in double precision.
 
-What is judged is its forward dynamics (articulated-body algorithm), stepped as its examples do and
-by a Runge-Kutta rule. How each effect was measured: docs/measured/engines-more.md.
+What is judged is its forward dynamics (articulated-body algorithm), integrated as in its examples,
+and by a Runge-Kutta rule. docs/measured/engines-more.md says how each effect was measured.
 """
 
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from ...scene_record import HeldRotor, WorldBody
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession
 
-#: A table is two slides under a spherical joint, a rotor's hinge is a revolute joint.
+#: A table is modelled by two slides under a spherical joint, a rotor's hinge by a revolute joint.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 
 
@@ -33,7 +33,7 @@ class PinocchioSession(WorldSession):
     """
 
     def world_body(self) -> WorldBody:
-        """Return the body as the model holds it, relative to its joint."""
+        """Return the body as the model holds it, from the joint, in the record's axes."""
         inertia = self.world.model.inertias[self.world.joint]
         arm = None if self.world.is_free else np.zeros(3)
         rotors = [self._rotor(joint) for joint in self.world.rotors]
@@ -42,10 +42,10 @@ class PinocchioSession(WorldSession):
         )
 
     def _rotor(self, joint: int) -> HeldRotor:
-        """Return the rotor on a hinge at angle 0, given the number of its joint.
+        """Return the rotor on the joint with a given number, at joint angle 0.
 
-        The number 0 stands for a locked rotor, which the model has made part of the body: the
-        returned rotor then has no mass.
+        The number 0 stands for a locked rotor. The model has made it part of the body, so that the
+        returned rotor has no mass.
         """
         if not joint:
             return HeldRotor(0.0, np.zeros(3), np.zeros((3, 3)), np.zeros(3))
@@ -56,14 +56,14 @@ class PinocchioSession(WorldSession):
         return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the derivative of dω/dt by Pinocchio's articulated-body algorithm."""
+        """Return the derivative of dω/dt, which `computeABADerivatives` computes exactly."""
         return {"computeABADerivatives": Derivative(self._rate)}
 
     def _rate(self) -> FloatArray:
-        """Return the Jacobian of dω/dt with respect to a small turn and ω, (3, 6), in body axes.
+        """Return the derivative of dω/dt in the chart, (3, 6).
 
-        It is made of ∂ddq/∂q and ∂ddq/∂v: Pinocchio's tangent of a joint that turns is a turn in
-        body axes. It raises `UnsupportedError` if the scene has torques or drag.
+        It is made of ∂ddq/∂q and ∂ddq/∂v: Pinocchio differentiates by turns in body axes.
+        `UnsupportedError` is raised if the scene has torques or drag.
         """
         world = self.world
         if world.is_pushed:
@@ -77,9 +77,10 @@ class PinocchioSession(WorldSession):
         return along(self.frame.body_from_axes.as_matrix(), rate)
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body: gravity and joints as in the model.
+        """Return what acts on the body: gravity and joints as found in the model.
 
-        Torques are passed to `aba` in each step; those of the scene are assumed to act.
+        The model does not hold torques, which are passed to `aba` in each step: those of the scene
+        are assumed to act.
         """
         model, scenario = self.world.model, self.scenario
         named = {
@@ -92,9 +93,9 @@ class PinocchioSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return whether each effect or fault of the joints is present, by its name in the audit.
+        """Return, by name, whether the joints implement each effect or have a fault.
 
-        Joints before the body's are slides, those after it are hinges of rotors.
+        Joints before the body's own are slides, those after it are hinges of rotors.
         """
         world, model = self.world, self.world.model
         kinds = [joint.shortname() for joint in model.joints]
@@ -116,7 +117,7 @@ class PinocchioSession(WorldSession):
 
 @final
 class Pinocchio(WorldEngine):
-    """The library Pinocchio, with the body on a free-flyer joint, or on a spherical one if held."""
+    """The engine Pinocchio, with the body on a free-flyer joint, or if held on a spherical one."""
 
     session = PinocchioSession
     name = "pin"

@@ -7,8 +7,8 @@ import pinocchio
 
 from ...world_parts import drive, is_pushed, push, rotor_tensor
 
-#: The classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1): times of the stages within a
-#: step, and their weights in sixths.
+#: The classical Runge-Kutta rule (Hairer, Nørsett & Wanner I, II.1). Each stage has its time, in
+#: units of the step, and its weight, in sixths.
 STAGES = ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0))
 
 
@@ -22,7 +22,7 @@ class World:
     ----------
     scene : the scene's record
     method : name of the method
-    timestep : s
+    timestep : length of the steps, s
     """
 
     def __init__(self, scene, method, timestep):
@@ -53,7 +53,10 @@ class World:
         self.model.appendBodyToJoint(self.joint, inertia, pinocchio.SE3.Identity())
 
     def add_rotor(self, rotor):
-        """Add a rotor of the record; return the number of its joint, which is 0 if it is locked."""
+        """Add the rotor with an entry `rotor` in the record; return the number of its joint.
+
+        A locked rotor becomes part of the body: its number is 0.
+        """
         at = pinocchio.SE3(np.eye(3), self.lever + rotor["place"])
         inertia = pinocchio.Inertia(rotor["mass"], np.zeros(3), rotor_tensor(rotor))
         if rotor["hinge"] == "locked":
@@ -68,13 +71,13 @@ class World:
         return joint
 
     def restart(self, motion, timestep):
-        """Set another motion, keyed as in the scene's record, and timestep, s."""
+        """Set another motion, with the keys of the scene's record, and the timestep, s."""
         self.timestep = timestep
         w, x, y, z = motion["q"]
         R = pinocchio.Quaternion(np.array((x, y, z, w))).matrix()
         omega, com, velocity = (np.array(motion[key]) for key in ("omega", "com", "velocity"))
         if self.is_free:
-            # The velocity of a free-flyer joint is along the body's axes.
+            # A free-flyer joint has its velocity in body axes.
             place, speed = com, R.T @ velocity
         else:
             place = (com - R @ self.lever)[self.slides]
@@ -86,7 +89,10 @@ class World:
         self.v = np.array([*speed, *(R.T @ omega), *spins])
 
     def motion(self):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
+        """Return the state as one array, (13 + rotors,), in world axes.
+
+        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
+        """
         x, y, z, w = self.q[self.q_turning]
         R = pinocchio.Quaternion(self.q[self.q_turning]).matrix()
         omega, arm = R @ self.v[self.v_turning], R @ self.lever
@@ -99,7 +105,7 @@ class World:
         return np.array([w, x, y, z, *omega, *com, *velocity, *self.spins()])
 
     def spins(self):
-        """Return the spins of the rotors, relative to the body, rad/s; 0 for a locked one."""
+        """Return the spins of the rotors, rad/s; 0 for a locked one."""
         joints = self.model.joints
         return [self.v[joints[joint].idx_v] if joint else 0.0 for joint in self.rotors]
 
@@ -109,12 +115,15 @@ class World:
             self.step()
 
     def semi_implicit(self):
-        """Take a step as Pinocchio's examples do: positions by the new velocities."""
+        """Take a semi-implicit Euler step, as Pinocchio's examples do: with the new velocities."""
         self.v = self.v + self.timestep * self.acceleration(self.q, self.v)
         self.q = pinocchio.integrate(self.model, self.q, self.timestep * self.v)
 
     def runge_kutta(self):
-        """Take a Runge-Kutta step of position, quaternion (as plain numbers) and velocity."""
+        """Take a classical Runge-Kutta step.
+
+        The quaternion is integrated as four plain numbers, and normalised in each stage.
+        """
         h, q, v = self.timestep, self.q, self.v
         q_rate, v_rate = np.zeros(len(q)), np.zeros(len(v))
         q_gain, v_gain = np.zeros(len(q)), np.zeros(len(v))
@@ -131,7 +140,7 @@ class World:
 
         The derivative of the quaternion is ½ q (0, ω).
         """
-        # With Python's floats: numpy's cost several times as much one by one.
+        # Python's floats: single numbers of numpy would take several times as long.
         (x, y, z, w), (a, b, c) = q[self.q_turning].tolist(), v[self.v_turning].tolist()
         turning = (
             w * a + y * c - z * b,
@@ -146,7 +155,10 @@ class World:
         return np.array([*moving, *(part / 2 for part in turning), *spins])
 
     def acceleration(self, q, v):
-        """Return the time derivative of the velocities v, by the articulated-body algorithm."""
+        """Return the time derivative of the velocities v, by the articulated-body algorithm.
+
+        The scene's torques are included.
+        """
         torque = np.zeros(len(v))
         if self.is_pushed:
             R = pinocchio.Quaternion(q[self.q_turning]).matrix()
@@ -154,7 +166,7 @@ class World:
         return pinocchio.aba(self.model, self.data, q, v, torque)
 
     def normalised(self, q):
-        """Scale the quaternion, x y z w, of coordinates to norm 1 in place; return them."""
+        """Scale the quaternion in the coordinates q to norm 1, in place; return q."""
         turning = q[self.q_turning]
         turning /= math.sqrt(turning @ turning)
         return q

@@ -1,6 +1,7 @@
 """The library libbox3d, in single precision, from its Python package `pybox3d`.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 from typing import final
@@ -12,9 +13,9 @@ from ...scene_record import WorldBody
 from ...world_engine import WorldEngine
 from ...world_session import WorldSession
 
-#: Relative rounding of numbers in single precision.
+#: Relative tolerance of numbers that were rounded to single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
-#: What users write to keep bodies from falling asleep.
+#: Lines by which users keep bodies from falling asleep, and take a step.
 AWAKE = """\
 world.sleeping_enabled = False
 world.step(TIMESTEP)"""
@@ -22,19 +23,19 @@ world.step(TIMESTEP)"""
 
 @final
 class PyBox3DSession(WorldSession):
-    """A session of one box, whose origin is the body's com."""
+    """A session of a world with one box, whose centre is the body's com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the engine holds it, with its tensor measured by impulses."""
+        """Return the body as the engine holds it; the tensor is measured, by impulses."""
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.anchor_b)
         return WorldBody(self.world.body.mass, np.zeros(3), self._tensor(), arm)
 
     def _tensor(self) -> FloatArray:
-        """Return the tensor, body axes, kg m², (3, 3), which no attribute of the body holds.
+        """Return the tensor about the com, kg m², in the record's axes, (3, 3).
 
-        It is measured by couples of impulses, each of which would turn a body with the scene's
-        moments about one axis at 2 rad/s.
+        The engine does not report it. It is measured by three couples of impulses on the body at
+        rest: with the scene's moments, each would set it turning about one axis at 2 rad/s.
         """
         body, world = self.world.body, self.world.world
         before = world.snapshot()
@@ -53,12 +54,13 @@ class PyBox3DSession(WorldSession):
     def active(self) -> frozenset[str]:
         """Return what acts on the body, as the world reports it.
 
-        Torques are not reported: those of the scene are assumed to act.
+        The world does not report torques: those of the scene are assumed to act.
         """
         world, scenario = self.world.world, self.scenario
         joint, gravity = self.world.joint, self.module.xyz(world.gravity)
         right = np.allclose(gravity, scenario.gravity_world, rtol=SLACK, atol=0)
-        # The collision filter of a pivot counts as a joint as well.
+        # The numbers of bodies and joints: a pivot has a fixed body, and its collision filter
+        # counts as a joint.
         expected = (1, 0) if joint is None else (2, 2)
         named = {
             "gravity" if right else f"a gravity of {gravity.tolist()} m/s²": gravity.any(),

@@ -17,19 +17,22 @@ def xyz(v):
 
 
 def half_extents(mass, moments):
-    """Return half the edges, m, (3,), of the uniform box with a mass, kg, and moments, kg m²."""
+    """Return half the edges, m, (3,), of the uniform box with a given mass, kg, and moments, kg m².
+
+    The moments are about its centre and along its edges, (3,).
+    """
     squares = np.sum(moments) / 2 - np.array(moments)
     return np.sqrt(3 / mass * np.maximum(squares, 0.0))
 
 
 class World:
-    """A box at the com of the body, and for a pivot a spherical joint to a fixed point.
+    """A box with its centre at the com, and a spherical joint at the pivot if there is one.
 
     Parameters
     ----------
     scene : the scene's record
     method : name of the method
-    timestep : s
+    timestep : length of the steps, s
     """
 
     def __init__(self, scene, method, timestep):
@@ -37,9 +40,12 @@ class World:
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Build a new world with another motion, keyed as in the scene's record, and timestep, s.
+        """Build a new world at another motion, so that nothing of earlier steps is left.
 
-        Nothing of earlier steps is left.
+        Parameters
+        ----------
+        motion : a motion with the keys of the scene's record
+        timestep : length of the steps from now on, s
         """
         self.scene = scene = self.scene | motion
         self.timestep = timestep
@@ -59,17 +65,20 @@ class World:
             self.joint = self.world.add_spherical_joint(
                 ground, self.body, anchor_b=tuple(scene["arm"])
             )
-            # Without the filter the fixed point and the box collide.
+            # Without this filter the fixed body and the box would collide.
             self.world.add_filter_joint(ground, self.body)
 
     def motion(self):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, (13,)."""
+        """Return the state as one array, (13,), in world axes.
+
+        It has the attitude, w x y z, ω, rad/s, the com, m, and its velocity, m/s.
+        """
         body = self.body
         vectors = body.angular_velocity, body.position, body.linear_velocity
         return np.concatenate([wxyz(body.orientation), *map(xyz, vectors)])
 
     def push(self):
-        """Add the torque, N m, world axes, as a couple of forces, which the next step clears."""
+        """Apply the scene's torque, as a couple of forces, which the next step clears."""
         place = xyz(self.body.position)
         torque = push(
             self.scene, matrix(wxyz(self.body.orientation)), xyz(self.body.angular_velocity)
@@ -77,15 +86,15 @@ class World:
         across = np.cross(torque, np.eye(3)[np.argmin(np.abs(torque))])
         if not across.any():
             return
-        # The couple's arm is as long as the com is far away, or else rounding of the com's place
-        # would change it.
+        # The arm is at least as long as the com is far from the origin: the com's coordinates are
+        # rounded, and this would change a short arm.
         arm = across / np.linalg.norm(across) * (1 + np.linalg.norm(place))
         force = np.cross(torque, arm) / (2 * arm @ arm)
         self.body.apply_force(tuple(force), tuple(place + arm))
         self.body.apply_force(tuple(-force), tuple(place - arm))
 
     def advance(self, steps):
-        """Take steps."""
+        """Take `steps` steps."""
         pushed = is_pushed(self.scene)
         for _ in range(steps):
             if pushed:

@@ -1,4 +1,4 @@
-"""PyBullet, Bullet 3 in double precision, from the scene as URDF and from users' own files."""
+"""PyBullet, Bullet 3 in double precision: scenes as URDF, and links of users' own files."""
 
 from .engine import PyBullet
 from .file_engine import PyBulletFile

@@ -1,8 +1,8 @@
-"""What acts on a body in PyBullet: read back where its API reports it, measured where it does not.
+"""What acts on a body in PyBullet, read back from its API, or measured if the API does not tell.
 
-PyBullet reports neither damping nor applied torques. So after a run one tiny step is taken without
-gravity, from rest and once more from a slow spin: the angular momentum gained in that step, divided
-by the timestep, is the torque that acts.
+PyBullet reports neither damping nor applied torques. So after a run two tiny steps are taken
+without gravity, one from rest and one from a slow spin: the angular momentum gained in a step,
+divided by the timestep, is the torque that acts.
 """
 
 from collections.abc import Callable
@@ -17,24 +17,25 @@ from .model import Model
 from .probe import PROBE_SPIN, SLACK, Probe, near
 from .world import BASE, World
 
-#: Speed, rad/s, at which the body takes a step to find out whether PyBullet clamps it. It is above
-#: the default clamp, so that the body keeps the speed only if the clamp is off.
+#: Spin, rad/s, from which the body takes a step to find out whether PyBullet clamps velocities. It
+#: is above the default clamp: the body keeps it only if the clamp is off.
 PROBE_RUSH = 2.0**9
-#: The effect that a spherical joint implements, by the number of slides that it is on.
+#: The effect that a spherical joint implements, by the number of slides that the joint is on.
 HELD_BY = {0: "pivot", 2: "table"}
-#: PyBullet's default margin around a shape, m, `gUrdfDefaultCollisionMargin` of its source.
+#: PyBullet's default margin around a shape, m: `gUrdfDefaultCollisionMargin` of its source.
 EMPTY_MARGIN = 0.001
 
 
 def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) -> frozenset[str]:
     """Return names of the effects that act, and descriptions of anything else that acts.
 
-    The measurements change the body's state, switch gravity and some of PyBullet's defaults off,
+    The measurements change the body's state, switch off gravity and some of PyBullet's defaults,
     and remove the plane under a body on a contact.
 
     Parameters
     ----------
-    advance : takes whole steps, with the torques that belong to the scene
+    advance : takes a given number of steps, in which the scene's torques are applied
+    model : the body in its world
     """
     world = model.world
     acting = _engine(world, scenario) | _holds(world) | _beside(world, scenario)
@@ -44,7 +45,7 @@ def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) 
 
 
 def _engine(world: World, scenario: Scenario) -> set[str]:
-    """Return "gravity" if it is as in the scene, and descriptions of other settings that act."""
+    """Return "gravity" if it is that of the scene, and descriptions of other settings that act."""
     engine = p.getPhysicsEngineParameters(world.client)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
     acting = {"real-time stepping"} if engine["useRealTimeSimulation"] else set()
@@ -61,7 +62,7 @@ def _holds(world: World) -> set[str]:
     for joint in range(p.getNumJoints(world.body, client)):
         kind = p.getJointInfo(world.body, joint, client)[2]
         if kind == p.JOINT_FIXED or joint in world.hinges:
-            continue  # of a part of the body
+            continue  # the joint of another link of the body, or of a rotor
         if kind == p.JOINT_PRISMATIC and joint < world.link:
             slides += 1
         elif kind == p.JOINT_SPHERICAL:
@@ -75,10 +76,10 @@ def _holds(world: World) -> set[str]:
 
 
 def _beside(world: World, scenario: Scenario) -> set[str]:
-    """Return in words what could touch the body: other bodies, and the body's collision shapes.
+    """Return words on what could collide: other bodies, and collision shapes.
 
-    If the scene has a table as a contact, the plane under the body is reported as "table". It is
-    removed from the world, so that it does not push the body in the measurements that follow.
+    If a table is implemented by a contact, the plane under the body is reported as "table". The
+    plane is then removed from the world: it would push the body in the measurements that follow.
     """
     client, acting = world.client, set()
     bodies = [p.getBodyUniqueId(i, client) for i in range(p.getNumBodies(client))]
@@ -103,21 +104,21 @@ def _beside(world: World, scenario: Scenario) -> set[str]:
 
 
 def _has_shape(client: int, body: int, link: int) -> bool:
-    """Whether a link has a collision shape: its bounding box is larger than that of an empty shape.
+    """Whether a link has a collision shape: it is larger than PyBullet's empty shape.
 
-    (In maximal coordinates PyBullet does not report the shapes themselves; the margin of a sphere
-    is its radius.)
+    The margin is compared, which is the radius of a sphere, and the bounding box. The shapes
+    themselves are not reported for bodies in maximal coordinates.
     """
     margin = p.getDynamicsInfo(body, link, client)[11]
     low, high = p.getAABB(body, link, client)
-    # Half the bounding box of a cube of half-width `EMPTY_MARGIN` in the attitude where it is
-    # largest.
+    # The longest edge, in any attitude, of the bounding box of a cube with edges of twice
+    # `EMPTY_MARGIN`.
     furthest = 2 * np.sqrt(3) * EMPTY_MARGIN * (1 + SLACK)
     return bool(margin > EMPTY_MARGIN or max(np.subtract(high, low)) > furthest)
 
 
 def _acting(probe: Probe) -> set[str]:
-    """Return names of the torques, drag, damping and clamp that act, found by single steps.
+    """Return names of the torques, drag, damping and clamp that act, found by a probe's steps.
 
     The steps are taken without gravity, from rest and from a spin.
     """
@@ -125,7 +126,7 @@ def _acting(probe: Probe) -> set[str]:
     acting = {words for words in (torque, resistance, force) if words}
     if acting:
         acting |= _slowing_defaults(probe)
-        # Measured again, once PyBullet's defaults are switched off, for what the scene calls for.
+        # PyBullet's defaults are now off: measured again, for the effects of the scene.
         torque, resistance, _ = probe.unlike()
     if not torque:
         acting |= probe.scenario.called_for & {"torque_body", "torque_world"}
@@ -133,14 +134,14 @@ def _acting(probe: Probe) -> set[str]:
         acting |= probe.scenario.called_for & {"drag"}
     if probe.scenario.rotors:
         acting |= _wrong_hinges(probe) or {"rotors"}
-    # This probe comes last, as so fast a step changes the attitude.
+    # The clamp comes last: the fast step changes the attitude.
     return acting | ({"velocity clamp"} if _is_clamped(probe) else set())
 
 
 def _wrong_hinges(probe: Probe) -> set[str]:
-    """Return in words what is wrong with the rotors' hinges; empty if nothing is.
+    """Return, in words, what is wrong with the rotors' hinges, as a set; empty if nothing is.
 
-    If nothing is wrong once PyBullet's motors are removed, the answer is "joint motor".
+    If removing PyBullet's motors mends everything, the set is {"joint motor"}.
     """
     if not probe.wrong_hinges():
         return set()
@@ -149,14 +150,11 @@ def _wrong_hinges(probe: Probe) -> set[str]:
 
 
 def _slowing_defaults(probe: Probe) -> set[str]:
-    """Return the names of PyBullet's defaults whose removal changes the torque against a spin.
-
-    They stay removed.
-    """
+    """Remove PyBullet's damping and joint motor; return the names of those that resisted a spin."""
     world, acting = probe.model.world, set()
     slowing: dict[str, Callable[[], object]] = {"damping": world.take_away_damping}
     if world.link != BASE:
-        # The motor is removed first, as its torque would hide the damping.
+        # The motor is removed first, because its torque would hide the damping.
         slowing = {"joint motor": partial(world.set_motor, 0), **slowing}
     for name, take_away in slowing.items():
         with_it = probe.resistance()
@@ -167,7 +165,10 @@ def _slowing_defaults(probe: Probe) -> set[str]:
 
 
 def _is_clamped(probe: Probe) -> bool:
-    """Whether PyBullet clamps velocities: a fast body is slower after a step without damping."""
+    """Whether PyBullet clamps velocities: a fast spin is lost in one step.
+
+    There must be no damping and no motor any more.
+    """
     before, after = probe.after(probe.spin_world * (PROBE_RUSH / PROBE_SPIN))
     speed = float(np.linalg.norm(before.omega_body))
     return bool(np.linalg.norm(after.omega_body) < speed / 2)

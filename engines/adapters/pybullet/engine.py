@@ -1,7 +1,7 @@
-"""PyBullet, Bullet 3 in double precision: loads the scene's URDF.
+"""PyBullet, Bullet 3 in double precision, with scenes as URDF.
 
-What it does to a top by default, and how each effect was measured:
-docs/measured/engines-pybullet.md.
+docs/measured/engines-pybullet.md says what the engine does to a top by default, and how effects
+were measured.
 """
 
 from collections.abc import Collection
@@ -26,27 +26,28 @@ from ...native_output import native_output
 from ...version_numbers import numbers_of
 
 with native_output():
-    # On import, Bullet prints its build date, which is caught here.
+    # On import, Bullet prints its build date, which is discarded here.
     from .load import MOTOR, SHAPE, BodyRepresentation
     from .pivot_limit import check_borne
     from .script import script, setup
     from .session import PyBulletSession
     from .world import DEFAULTS, INERTIA, JOINT_MOTOR
 
-#: Largest turn in a step, rad: ANGULAR_MOTION_THRESHOLD of Bullet's LinearMath/btTransformUtil.h,
-#: for every kind of body. Beyond it the attitude turns only by this much a step, while ω still
-#: reads its full value.
+#: Largest rotation in a step, rad, for every kind of body: ANGULAR_MOTION_THRESHOLD of Bullet's
+#: LinearMath/btTransformUtil.h. If ω is larger, the attitude turns only by this much a step, while
+#: ω still reads its full value.
 MOST_ROTATION_A_STEP = pi / 4
 
-#: Effects that bodies in joint coordinates can have.
+#: Effects that methods in joint coordinates can simulate.
 JOINTED = COMMON_EFFECTS | {"rotors"}
 ON_TABLE = frozenset({"table"})
 SHIPPED = frozenset(DEFAULTS)
-#: A method of PyBullet; all are of first order, in whatever coordinates.
+#: Function that makes a method of PyBullet: all are of first order, in whatever coordinates.
 bullet_method = partial(
     Method, order=1, attitude_order=1, max_rotation_per_step=MOST_ROTATION_A_STEP
 )
-#: By method: how the body is represented, a summary, and the effects it can simulate.
+#: For each method, by name: how the body is represented, a summary, and the effects that the method
+#: can simulate.
 METHODS = {
     "multibody": (
         BodyRepresentation(hung=True),
@@ -79,17 +80,17 @@ METHODS = {
         JOINTED,
     ),
 }
-#: The effects that some methods require.
+#: Effects that a scene must have, by name of the methods that require them.
 REQUIRED = {"multibody-p2p": frozenset({"pivot"}), "contact": ON_TABLE}
 REPRESENTATIONS = {name: representation for name, (representation, *_) in METHODS.items()}
 
 
 class PyBullet(Engine):
-    """The engine PyBullet, with Bullet's two kinds of body, held at a point in several ways."""
+    """The engine PyBullet; methods differ in Bullet's kind of body and in how it is held."""
 
     interface = 1
     name = "pybullet"
-    # Default of the PyBullet quickstart guide, setTimeStep.
+    # The default of setTimeStep, from the PyBullet quickstart guide.
     stock_timestep = 1 / 240
     describes = frozenset({"parts", "full tensor", "shape"})
     methods = tuple(
@@ -106,7 +107,7 @@ class PyBullet(Engine):
 
     @property
     def version(self) -> str:
-        """Version of the installed package; the library does not report its own."""
+        """The version of the installed package; the library does not report its own."""
         return installed_version()
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:
@@ -115,8 +116,9 @@ class PyBullet(Engine):
         Raises
         ------
         UnsupportedError
-            If the pivot of a rigid body cannot bear the load at the start, or if PyBullet would
-            take a mass, a moment or an inverse mass for zero, which is not checked as shipped.
+            If the pivot of a body in maximal coordinates cannot bear the load at the start. Also if
+            PyBullet would take a mass, a moment or an inverse mass for zero; this is not checked
+            for methods as shipped.
         EngineError
             If PyBullet cannot load the scene, or warns.
         """
@@ -134,11 +136,11 @@ class PyBullet(Engine):
         defaults: Collection[str] | None = None,
         description: Description = PLAIN,
     ) -> Session:
-        """Open a scene with parts, defaults or a description as given; parameters as in `Engine`.
+        """Open a scene with parts left in, with given defaults, or with another description.
 
-        A body that is described by its shape is a collision box, from which PyBullet computes the
-        inertia: only this default is then kept. Errors are raised as by `open`, but the load on the
-        pivot is not checked.
+        `Engine.open_with` describes the parameters. A body that is described by its shape is a
+        collision box, from which PyBullet computes the inertia: only this default is then kept. The
+        errors are those of `open`, but the load on the pivot is not checked.
         """
         representation = REPRESENTATIONS[method.name]
         if description.shape:
@@ -150,13 +152,13 @@ class PyBullet(Engine):
         return PyBulletSession(scenario, representation, timestep)
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:
-        """Return the URDF, and the calls that remove PyBullet's defaults and step it, as Python."""
+        """Return a Python script with the scene's URDF, and the calls that load and step it."""
         return script(scenario, REPRESENTATIONS[method.name], timestep)
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Return the parts that are left out: the collision shape, and a joint's idle motor.
+        """Return the names of the parts that are left out: collision shape, and idle joint motor.
 
-        The motor is there only if the body hangs by a joint. A method as shipped, or by contact,
+        The motor is named only if a joint holds the body. A method as shipped, or by contact,
         leaves out neither.
         """
         representation = REPRESENTATIONS[method.name]
@@ -165,13 +167,13 @@ class PyBullet(Engine):
         return (SHAPE, MOTOR) if representation.hangs(scenario) else (SHAPE,)
 
     def at_version(self, version: str) -> Release:
-        """Return another version of PyBullet, with the same methods."""
+        """Return a version of PyBullet, with the same methods."""
         return release(version, self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Return PyBullet's defaults that a method keeps and that can alter the scene's motion.
+        """Return the names of PyBullet's defaults that a method keeps and that change motions.
 
-        The joint motor is one of them only if the scene has a joint.
+        The joint motor is left out if the scene has no joint.
         """
         has_joint = scenario.constraint.is_pivot or scenario.rotors.is_turning.any()
         left = REPRESENTATIONS[method.name].defaults - (set() if has_joint else {JOINT_MOTOR})
@@ -179,14 +181,17 @@ class PyBullet(Engine):
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """Return a version of PyBullet with the packages that it needs; up to 3.2.6 that is numpy 1."""
+    """Return a version of PyBullet, with the packages to install.
+
+    Versions up to 3.2.6 need numpy 1.
+    """
     older = ("numpy==1.26.4",) if numbers_of(version) <= (3, 2, 6) else ()
-    # Robots and meshes that come with the package, 142 MB.
+    # Models of robots, 142 MB, which are installed with the package, and not needed.
     robots = ("pybullet_data",)
     return Release((f"pybullet=={version}", *older), methods, PyBullet.name, robots)
 
 
 @cache
 def installed_version() -> str:
-    """Return the installed version; it is kept, as looking it up takes as long as many steps."""
+    """Return the installed version; it is cached, as looking it up takes as long as many steps."""
     return version("pybullet")

@@ -1,4 +1,4 @@
-"""PyBullet from the user's own URDF: the link that a scene names, cut out of it."""
+"""PyBullet with a user's own URDF: the link that a scene names is cut out of it."""
 
 from typing import final
 
@@ -11,15 +11,15 @@ from .model_reader import DEFAULT, FROM_FILE, PyBulletModelReader
 from .session import PyBulletSession
 from .world import DEFAULTS, FILE, INERTIA
 
-#: Defaults of PyBullet that are kept, by method.
+#: The names of PyBullet's defaults that each method keeps.
 LEFT = {DEFAULT: frozenset(DEFAULTS), FROM_FILE: frozenset[str]()}
 
 
 @final
 class PyBulletFile(FileEngine):
-    """An engine that simulates one link of the user's URDF, as `loadURDF` reads it.
+    """An engine that simulates one link of a user's URDF, as `loadURDF` reads it.
 
-    Each method is one of the ways to call `loadURDF` that `PyBulletModelReader` names.
+    Its methods are the two ways to call `loadURDF` that `PyBulletModelReader` has.
     """
 
     name = "pybullet-file"
@@ -41,15 +41,15 @@ class PyBulletFile(FileEngine):
     )
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> PyBulletSession:
-        """Load the scene's link alone, set it to the start, and return the session."""
+        """Load the scene's link without the others, at the scene's start; return the session."""
         users = users_link(scenario)
         left = LEFT[method.name]
-        # Shapes are needed only if PyBullet computes tensors from them.
+        # Meshes of shapes are needed only if PyBullet computes the tensor from them.
         endings = MESHES if INERTIA in left else None
         text, meshes = body_alone(users.model, users.body, endings)
         representation = BodyRepresentation(defaults=left, own={**meshes, FILE: text})
         return PyBulletSession(scenario, representation, timestep)
 
     def at_version(self, version: str) -> Release:
-        """Return another version of the `pybullet` engine, with this engine's methods."""
+        """Return a version of PyBullet, with this engine's methods."""
         return release(version, self.methods)

@@ -1,4 +1,4 @@
-"""Puts a scene's body into a PyBullet world: the numbers it is given, and the body read back."""
+"""Loads a scene's body into a PyBullet world, in the way that a method represents it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ from ...models.urdf import urdf
 from .model import Model
 from .world import DEFAULTS, FILE, World
 
-#: Names of the parts that are left out because they change no motion.
+#: Names of the parts that are left out because they do not change the motion.
 SHAPE, MOTOR = "collision shape", "idle joint motor"
-#: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: values not above it are taken for zero.
+#: SIMD_EPSILON of Bullet's LinearMath/btScalar.h: Bullet takes values up to it for zero.
 TAKEN_FOR_ZERO = float(np.finfo(float).eps)
 
 
@@ -26,15 +26,15 @@ class BodyRepresentation:
 
     Attributes
     ----------
-    maximal : whether the body has six coordinates (btRigidBody), not joint coordinates
-        (btMultiBody)
-    hung : whether a pivot is a spherical joint, and a table such a joint on slides; otherwise a
-        pivot is a point-to-point constraint
-    left_in : the names, among `SHAPE` and `MOTOR`, of parts that are kept, to measure their cost
-    defaults : the names, among `DEFAULTS`, of PyBullet's defaults that are kept
-    own : the contents of the files that are loaded, by their names; the scene's URDF if None
-    by_contact : whether a table is a contact of a sphere and a plane
+    maximal : whether the body is in maximal coordinates, six a body (btRigidBody), instead of joint
+        coordinates (btMultiBody)
+    hung : whether a pivot is a spherical joint, and a table such a joint on slides; if not, a pivot
+        is a point-to-point constraint
+    left_in : names of parts that are kept so that their cost can be measured: `SHAPE`, `MOTOR`
+    defaults : names, out of `DEFAULTS`, of PyBullet's defaults that are kept
+    own : the files that are loaded, contents by name; None for the scene's URDF
     description : how the scene's URDF describes the body
+    by_contact : whether a table is implemented by a contact of a sphere and a plane
     """
 
     maximal: bool = False
@@ -51,24 +51,30 @@ class BodyRepresentation:
         return bool(self.defaults)
 
     def hangs(self, scenario: Scenario) -> bool:
-        """Whether the scene's body hangs by a joint."""
+        """Whether a spherical joint holds the scene's body."""
         return self.hung and not scenario.constraint.is_free
 
 
 def load(
     client: int, scenario: Scenario, representation: BodyRepresentation, timestep: float
 ) -> Model:
-    """Put the scene's body into an empty world, at its start, held as the scene says.
+    """Load the scene's body into an empty world, hold it as the scene says, and set its start.
+
+    Parameters
+    ----------
+    client : PyBullet's number of the world
+    representation : how the body is represented and held
+    timestep : length of the steps, s
 
     Raises
     ------
     UnsupportedError
-        If PyBullet would take a mass, a moment or an inverse mass of the body for zero; as shipped
-        this is not checked.
+        If PyBullet would take a mass, a moment or an inverse mass of the body for zero; this is not
+        checked as shipped.
     EngineError
         If PyBullet cannot load the body.
     OSError
-        If one of its files cannot be written.
+        If a file cannot be written.
     """
     if not representation.as_shipped:
         _check_not_lost(scenario, representation)
@@ -84,9 +90,9 @@ def load(
 
 
 def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str, Any]:
-    """Return the record of the scene that `World` takes, as far as it is known before loading.
+    """Return the part of the record for `World` that is known before the body is loaded.
 
-    Numbers along the principal axes are missing, since PyBullet finds these axes itself.
+    Numbers along the principal axes are missing, because PyBullet finds these axes itself.
     """
     start, is_pivot = scenario.start, scenario.constraint.is_pivot
     hung = representation.hangs(scenario)
@@ -113,10 +119,10 @@ def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str,
 
 
 def scenes_own(scenario: Scenario, representation: BodyRepresentation) -> dict[str, bytes]:
-    """Return the scene's URDF as bytes, by the name of its file, which is `FILE`.
+    """Return the scene's URDF, as bytes, in a mapping from its file's name, `FILE`.
 
-    The URDF states what holds the body only if the body hangs by a joint. It has a collision sphere
-    if the body is on a contact, or if `SHAPE` is left in.
+    The URDF states a joint that holds the body only if the representation has one. It has a
+    collision sphere if a contact holds the body, or if `SHAPE` is left in.
     """
     hung = representation.hangs(scenario)
     sphere: tuple[tuple[float, ...], float] | None = None
@@ -125,7 +131,7 @@ def scenes_own(scenario: Scenario, representation: BodyRepresentation) -> dict[s
         assert table is not None
         sphere = table.tip, sphere_and_plane(scenario)[0]
     elif SHAPE in representation.left_in:
-        # A size for the shape about that of the body: the radius of gyration.
+        # The sphere is about as large as the body: its radius is the radius of gyration.
         radius = np.sqrt(scenario.body.principal_moments[-1] / scenario.body.mass)
         sphere = tuple(scenario.body.com), float(radius)
     text = urdf(

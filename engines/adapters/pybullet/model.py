@@ -1,4 +1,4 @@
-"""A body in a PyBullet world, read and set in the axes of the scene's body."""
+"""A body in a PyBullet world, which is read and set in the axes of the scene's body."""
 
 from typing import Any
 
@@ -20,9 +20,10 @@ from ....scenarios.rotation import (
 from ...scene_record import with_rotors
 from .world import BASE, World
 
-#: Indices into what `getJointInfo` returns: axis, place and turn of a joint, and its parent link.
+#: Indices into the tuple that `getJointInfo` returns: the joint's axis, its position and rotation
+#: relative to the parent link, and the number of that link.
 AXIS, PLACE, TURN, PARENT = 13, 14, 15, 16
-#: Indices that take a quaternion's components from w x y z to PyBullet's x y z w, and back.
+#: Indices that reorder a quaternion from w x y z to PyBullet's x y z w, and back.
 XYZW, WXYZ = [1, 2, 3, 0], [3, 0, 1, 2]
 
 
@@ -33,9 +34,7 @@ def attitude(state: State) -> FloatArray:
 
 
 class Model:
-    """The body in the world of one physics client.
-
-    It is made as soon as the body is loaded.
+    """The body in one PyBullet world; a `Model` is made as soon as the body is loaded.
 
     Parameters
     ----------
@@ -44,9 +43,11 @@ class Model:
 
     Attributes
     ----------
-    body_from_principal : takes components along the engine's axes (principal) to body components
-    link_com : com of the base or hung link alone, as the engine holds it, m, body axes, (3,)
-    body : mass, com and tensor of the link with all that is welded to it, and its rotors
+    body_from_principal : the rotation that takes components along the principal axes, which
+        PyBullet uses, to components along the scene's body axes
+    link_com : com, as PyBullet holds it, of the body's link (the base, or the link on the spherical
+        joint) without other links, m, body axes, (3,)
+    body : this link, with all links that are welded to it and the rotors, as read back
     """
 
     def __init__(self, world: World, scenario: Scenario) -> None:
@@ -63,15 +64,16 @@ class Model:
         self._q_body_principal = self.body_from_principal.as_quat(scalar_first=True)
         self._times_q_principal_body = times(conjugate(self._q_body_principal))
         self.body = self._read_body()
-        # The com of the whole from the link's com, and from the joint, m, body axes.
+        # Vectors to the com of the whole body from the link's com, and from the joint, m, body
+        # axes.
         self._arm, self._lever = self.body.com - self.link_com, self.body.com - joint_body
 
     def _read_body(self) -> BodyReading:
         """Return all links as one body, with joints at angle 0, in the scene's body axes.
 
-        PyBullet keeps for each link its principal moments; the place of its joint, from the com of
-        its parent link and along that link's principal axes; and the turn of its own principal axes
-        relative to those.
+        PyBullet reports for each link its principal moments, its com and the attitude of its
+        principal axes relative to its joint; and for the joint its position, from the com and along
+        the principal axes of the parent link, and its rotation relative to those axes.
         """
         world, R_body_principal = self.world, self.body_from_principal.as_matrix()
         mass, _, moments, *_ = p.getDynamicsInfo(world.body, world.link, world.client)
@@ -105,8 +107,8 @@ class Model:
 
         Parameters
         ----------
-        rows : com, attitude of the principal axes (x y z w), velocity and ω in world axes, and the
-            spins of the rotors that turn, (n, 13 + rotors)
+        rows : a reading in each row, (n, 13 + rotors): com of the link, attitude of the principal
+            axes (x y z w), velocity and ω in world axes, and spins of rotors that are not locked
         """
         com_world, q_wxyz = rows[:, :3], rows[:, (6, 3, 4, 5)]
         velocity_world, omega_world = rows[:, 7:10], rows[:, 10:13]
@@ -123,8 +125,9 @@ class Model:
     def coordinates(self, states: State) -> FloatArray:
         """Return the velocity coordinates of n states, which PyBullet clamps, rad/s and m/s.
 
-        Each state is a row: of a base ω and velocity in world axes, of a joint the rates of slides
-        and ω along principal axes, then the spins of all rotors.
+        There is a row for each state. It has ω and the velocity in world axes, or for a body on a
+        spherical joint the rates of slides and ω along principal axes; then the spins of all
+        rotors.
         """
         R_world_body = matrices(states.q_world_body_wxyz)
         if self.world.link == BASE:
@@ -136,10 +139,10 @@ class Model:
         return np.hstack([sliding, turning, states.spins])
 
     def motion(self, state: State) -> dict[str, Any]:
-        """Return a state as `World.restart` takes it.
+        """Return a state as a motion for `World.restart`.
 
-        If the body hangs by a joint, the joint in the world is turned to the state, and stays so:
-        the motion has the joint's attitude as PyBullet then holds it, along the principal axes.
+        If the body is on a spherical joint, this call turns the joint in the world to the state's
+        attitude: the motion has the joint's attitude as PyBullet rounds it.
         """
         world, times_q_body_principal = self.world, times(self._q_body_principal)
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)
@@ -163,10 +166,10 @@ class Model:
         }
 
     def in_its_axes(self, scenario: Scenario) -> dict[str, Any]:
-        """Return the entries of the record that are known only once the body is loaded.
+        """Return the entries of the record that are known only after the body was loaded.
 
-        They are the principal axes that PyBullet has found, the pivot and the torque in the body
-        along these axes, and the motion at the start, as `World.restart` takes it.
+        They are the principal axes that PyBullet has found, the pivot and the body-fixed torque
+        along these axes, and the motion at the start, for `World.restart`.
         """
         start, is_pivot = scenario.start, scenario.constraint.is_pivot
         is_base, principal_from_body = self.world.link == BASE, self.body_from_principal.inv()
@@ -180,7 +183,8 @@ class Model:
         motion = self.motion(start_state(scenario))
         arm_world = world_from_body.apply(self._lever)
         if is_base:
-            # Where it was loaded, which its attitude tells to the last bit.
+            # From the attitude that PyBullet holds, so that the place is that of loading to the
+            # last bit.
             arm_world = attitude(self.read_state()) @ self._arm
         motion["place"] = start.position_world - arm_world
         motion["velocity"] = velocity_world - cross(omega_world, arm_world)
@@ -195,10 +199,10 @@ class Model:
 
 
 def _frame_of_rigid_body(world: World, scenario: Scenario) -> tuple[Rotation, FloatArray]:
-    """Return `body_from_principal` and `link_com` of a rigid body from its pose after loading.
+    """Return `body_from_principal` and `link_com` of a body in maximal coordinates.
 
-    PyBullet does not report this frame: for rigid bodies `getDynamicsInfo` returns uninitialised
-    memory.
+    They follow from its pose after loading. PyBullet does not report them: for such bodies
+    `getDynamicsInfo` returns uninitialised memory.
     """
     com_world, q_world_principal_xyzw = p.getBasePositionAndOrientation(world.body, world.client)
     q_world_body_wxyz = scenario.start.q_world_body_wxyz

@@ -16,17 +16,17 @@ from .engine import installed_version
 from .world import BASE
 
 UNSTATED = {"nothing stated": Advice("PyBullet then fixes a root in the world")}
-#: The two ways to load a URDF.
+#: Names of the two ways to load a URDF.
 DEFAULT, FROM_FILE = "default", "inertia-from-file"
-#: Pattern of the first words of what PyBullet prints: file and line of its source.
+#: Pattern of the beginning of PyBullet's messages, which has file and line of its source.
 _HEAD = re.compile(r"b3(?:Warning|Error|Printf)\[[^\]]*\]:\n?")
-#: Index of the link's name, as bytes, in what `getJointInfo` returns.
+#: Index of the link's name, as bytes, in the tuple that `getJointInfo` returns.
 LINK_NAME = 12
 
 
 @final
 class PyBulletModelReader(ModelReader):
-    """A reader by `loadURDF`, without and with the flag by which it uses the file's tensors."""
+    """A reader of URDF by `loadURDF`, with or without the flag that makes it use stated tensors."""
 
     name = "pybullet"
     formats = frozenset({"urdf"})
@@ -43,11 +43,14 @@ class PyBulletModelReader(ModelReader):
 
     @property
     def version(self) -> str:
-        """Version of the installed package; the module reports only that of its API."""
+        """The version of the installed package; the module reports only that of its API."""
         return installed_version()
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Return the bodies of a file after loading; only the default needs its shapes."""
+        """Load a file; return its bodies, by the names of their links.
+
+        Its shapes are loaded only for the default, which computes tensors from them.
+        """
         asks_shapes = configuration == DEFAULT
         flags = p.URDF_IGNORE_VISUAL_SHAPES
         if not asks_shapes:
@@ -88,9 +91,9 @@ def _bodies(client: int, body: int) -> dict[str, BodyReading]:
 
 
 def _last_line(printed: str) -> str:
-    """Return the last line that PyBullet printed, without the place in its source.
+    """Return the last line that PyBullet printed, without file and line of its source.
 
-    If it printed nothing, words that say so are returned.
+    If it printed nothing, the words "it does not say why" are returned.
     """
     lines = [line.strip() for line in _HEAD.sub("", printed).splitlines() if line.strip()]
     return lines[-1] if lines else "it does not say why"

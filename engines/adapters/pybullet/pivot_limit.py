@@ -1,4 +1,4 @@
-"""The largest load that the pivot of a rigid body bears: beyond it the body falls through."""
+"""The largest load that PyBullet's pivot bears in maximal coordinates; beyond it the body falls."""
 
 import numpy as np
 from spincheck.engine import Scenario, State, UnsupportedError
@@ -6,15 +6,19 @@ from spincheck.engine import Scenario, State, UnsupportedError
 from ....scenarios.effects.push import push
 from ....scenarios.rotation import cross, matrix
 
-#: Largest impulse in a step of a constraint between two rigid bodies, N s: PyBullet's default,
-#: which is kept.
+#: Largest impulse, N s, that a constraint between two rigid bodies exerts in a step: PyBullet's
+#: default, which is not changed.
 MOST_IMPULSE = 500.0
 
 
 def check_borne(scenario: Scenario, state: State, timestep: float) -> None:
-    """Raise `UnsupportedError` if the pivot cannot bear the body at this state.
+    """Raise `UnsupportedError` if the pivot cannot bear the load of the body in a state.
 
-    The load follows from the com's acceleration by Euler's equations about the pivot.
+    The load follows from the acceleration of the com, by Euler's equations about the pivot.
+
+    Parameters
+    ----------
+    timestep : length of the steps, s
     """
     mass, com, inertia = scenario.body.mass, scenario.body.com, scenario.inertia
     R_world_body, omega_body = matrix(state.q_world_body_wxyz), state.omega_body

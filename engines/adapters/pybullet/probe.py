@@ -1,4 +1,4 @@
-"""A body in PyBullet that is set to a motion and takes a step, to measure what acts on it."""
+"""Measures what acts on a body in PyBullet: it is set to a motion and takes a step."""
 
 from collections.abc import Callable
 
@@ -10,29 +10,30 @@ from ....scenarios.effects.push import push
 from ....scenarios.rotation import cross
 from .model import Model, attitude
 
-#: Timestep h of a probe, s. The torque, gain of L over h, has a rounding error of EPS L / h and a
-#: truncation error proportional to h: their sum is least at h = √EPS.
+#: Timestep h of a probe, s. The measured torque, ΔL / h, has a rounding error of ε L / h, where ε
+#: is the machine epsilon, and a truncation error proportional to h. Their sum is least at h = √ε.
 PROBE_STEP = 2.0**-26
-#: Spin of a probe, rad/s, and speed of a free body's com, m/s; slow, so that gyroscopic terms stay
-#: below both errors.
+#: Spin in a probe, rad/s, and speed of a free body's com, m/s. It is so slow that gyroscopic terms
+#: are smaller than these errors.
 PROBE_SPIN = 2.0**-7
-#: Relative tolerance of a measured torque: 16 such errors, of `PROBE_STEP` each, may add up. The
-#: torque of PyBullet's default damping, 0.04 I ω, is a hundred thousand times as large.
+#: Relative tolerance of a measured torque: 16 errors of `PROBE_STEP` each may add up. The torque of
+#: PyBullet's default damping, 0.04 I ω, is a hundred thousand times as large.
 SLACK = 16 * PROBE_STEP
 
 
 class Probe:
-    """A body that is set to a motion and takes one step, to measure what acts on it.
+    """Measurements on a body that is set to a motion and takes one step.
 
-    A probe switches gravity off, and gives the rotors a slow spin.
+    Making a probe switches off gravity, and gives the rotors a slow spin.
 
     Parameters
     ----------
-    advance : takes whole steps, with the torques that belong to the scene
+    advance : takes a given number of steps, in which the scene's torques are applied
+    model : the body in its world
 
     Attributes
     ----------
-    spin_world : a slow angular velocity from which steps are taken, rad/s, world axes, (3,)
+    spin_world : the slow angular velocity from which steps are taken, rad/s, world axes, (3,)
     """
 
     def __init__(self, advance: Callable[[int], None], model: Model, scenario: Scenario) -> None:
@@ -41,13 +42,13 @@ class Probe:
         model.world.set_spins(np.full(len(scenario.rotors.each), PROBE_SPIN))
         R_world_body = attitude(model.read_state())
         self.spin_world = R_world_body @ np.full(3, PROBE_SPIN)
-        # The scene's torques at rest, N m, and their change by that spin.
+        # The scene's torque on the body at rest, N m, and the change of the torque by that spin.
         self._push_world = push(scenario.pushed, R_world_body, np.zeros(3))
         self._dragged_world = (
             push(scenario.pushed, R_world_body, self.spin_world) - self._push_world
         )
-        # Axes of the world along which a joint or constraint, not a contact, holds the body, and
-        # the vector from the held point to the com, m.
+        # For each axis of the world, whether a joint or constraint, but not a contact, holds the
+        # body along it; and the vector from the held point to the com, m, body axes.
         is_held = scenario.constraint.is_pivot or model.world.link > 0
         self._is_held = np.array(scenario.constraint.is_held) & is_held
         self._lever_body = scenario.constraint.lever * is_held
@@ -55,7 +56,7 @@ class Probe:
     def after(self, omega_world: FloatArray) -> tuple[State, State]:
         """Return the states before and after a step that starts with a given ω.
 
-        A body that is not on a pivot also starts with a velocity: the same vector in m/s.
+        A body that is not on a pivot starts with the same vector, in m/s, as its velocity.
 
         Parameters
         ----------
@@ -75,11 +76,11 @@ class Probe:
         return before, self.model.read_state()
 
     def gains(self, omega_world: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the rates at which a step gains momentum, N, and angular momentum, N m.
+        """Return the rates at which momentum, N, and angular momentum, N m, change in a step.
 
-        Both are in world axes, (3,); the step starts with `omega_world`, as in `after`. If the
-        point that holds the body slides at v, the angular momentum about it also changes by
-        −m v × v_com, which is left out of the rate, since the force at the point passes through it.
+        Both are in world axes, (3,). The step starts with an angular velocity of `omega_world`,
+        rad/s. The angular momentum is about the held point. If this point slides at v, a rate of
+        −m v × v_com comes from its motion and not from a torque, and is not included.
         """
         before, after = self.after(omega_world)
         mass, velocity_world = self.model.body.mass, before.velocity_world
@@ -93,22 +94,25 @@ class Probe:
 
         It is about the com if no point is held by a joint or constraint.
         """
-        # Normalised, as differences of momenta are divided by a short time.
+        # `attitude` normalises quaternions: rounding of momenta is divided by a short time.
         body, R_world_body = self.model.body, attitude(state)
         L_body = body.inertia_com @ state.omega_body + state.spins @ body.axial
         about_world = cross(R_world_body @ self._lever_body, state.velocity_world)
         return np.asarray(R_world_body @ L_body + body.mass * about_world)
 
     def resistance(self) -> FloatArray:
-        """Return the torque on the spinning body minus that at rest, N m, world axes, (3,)."""
+        """Return the torque on the spinning body minus that at rest, N m, world axes, (3,).
+
+        The body spins slowly, at `spin_world`.
+        """
         return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
 
     def unlike(self) -> tuple[str, str, str]:
-        """Return words on a torque, a resistance and a force that the scene does not have.
+        """Return words on a torque, a resistance and a force that differ from the scene's.
 
-        Each is empty if the engine's is the scene's: the torque at rest, the change of the torque
-        by a slow spin, and the force on the com. Gravity is off and so not part of the force; along
-        axes on which a joint holds the body there is no force to compare.
+        These are the torque at rest, the change of the torque by a slow spin, and the force on the
+        com. The words on each are empty if it is that of the scene. Gravity is off, so that the
+        force should be zero; it is not compared along axes along which a joint holds the body.
         """
         torque, force, resistance = "", "", ""
         _, at_rest = self.gains(np.zeros(3))
@@ -123,9 +127,10 @@ class Probe:
         return torque, resistance, force
 
     def wrong_hinges(self) -> list[str]:
-        """Return a sentence for each hinge with a torque: its angular momentum changes in a step.
+        """Return words on each hinge of a rotor that exerts a torque about its axis.
 
-        The angular momentum is the one that the scene's hinge would keep (see `Rotors.kept`).
+        On such a hinge the angular momentum that the scene's hinge would keep (`Rotors.kept`)
+        changes in a step.
         """
         rotors = self.scenario.rotors
         self.model.world.set_spins(np.full(len(rotors.each), PROBE_SPIN))
@@ -144,18 +149,18 @@ class Probe:
         moments = np.linalg.eigvalsh(body.inertia_com)
         largest_moment = float(moments[-1]) + body.mass * arm**2
         if self.model.world.link > 0:
-            # The com of a free body, flying at 1 m/s for each rad/s, has an angular momentum about
-            # the joint.
+            # A body on slides has a velocity of 1 m/s for each rad/s, and so more angular momentum
+            # about the joint.
             largest_moment += body.mass * arm
         pushed = float(np.linalg.norm(self._push_world))
-        # The change of ω by a torque during the step also turns the body, and with it L.
+        # A torque changes ω during the step; this also turns the body, and with it L.
         dragged = float(np.linalg.norm(self._dragged_world))
         turned = (pushed + dragged) * largest_moment / float(moments[0])
         return SLACK * (PROBE_SPIN * (largest_moment + turned) + pushed)
 
 
 def near(got: FloatArray, wanted: FloatArray, noise: float) -> bool:
-    """Whether two vectors are equal up to rounding and to an absolute error `noise`."""
+    """Whether two vectors are equal within the relative tolerance `SLACK` plus an error `noise`."""
     return bool(np.abs(got - wanted).max() <= SLACK * np.abs(wanted).max() + noise)
 
 

@@ -1,4 +1,4 @@
-"""A PyBullet world and its steps as Python that needs `pybullet` and numpy alone."""
+"""Python code of a PyBullet world and its steps, which needs `pybullet` and numpy alone."""
 
 from pathlib import Path
 
@@ -37,7 +37,7 @@ p.changeConstraint(tie, maxForce=1e100)"""
 
 
 def setup(representation: BodyRepresentation) -> str:
-    """Return the lines that users write to load a URDF of their own as a method does."""
+    """Return the lines by which users load a URDF of their own in the way of a method."""
     maximal = ", useMaximalCoordinates=True" if representation.maximal else ""
     holding = CONTACT if representation.by_contact else JOINT if representation.hung else TIE
     return f"""\
@@ -49,10 +49,10 @@ p.changeDynamics(body, -1, maxJointVelocity=1e100)
 
 
 def script(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> str:
-    """Return a Python script of a run, with the scene's record.
+    """Return a Python script of a run, with the record that `World` takes.
 
-    A session is opened to complete the record, since PyBullet itself finds the principal axes. It
-    raises `EngineError` if PyBullet cannot load the scene.
+    A session is opened to complete the record, because PyBullet itself finds the principal axes.
+    `EngineError` is raised if PyBullet cannot load the scene.
     """
     with PyBulletSession(scenario, representation, timestep) as session:
         entries = [f'    "{key}": {value!r},' for key, value in session.world.scene.items()]

@@ -1,4 +1,4 @@
-"""A scene running in PyBullet: its steps, and the torques that no model element gives."""
+"""A session of a scene in a PyBullet world."""
 
 from collections.abc import Sequence
 from math import isnan
@@ -20,16 +20,16 @@ from .pivot_limit import check_borne
 from .world import BASE, CLAMP, UNREACHED
 from .worlds import give_back, take_world
 
-#: Largest value of every velocity coordinate of a multibody, rad/s and m/s, at which it is clamped.
-#: (Source: `m_maxCoordinateVelocity` of btMultiBody; measured.)
+#: Value, rad/s and m/s, at which PyBullet clamps every velocity coordinate of a body in joint
+#: coordinates, by default: `m_maxCoordinateVelocity` of btMultiBody, confirmed by measurement.
 DEFAULT_CLAMP = 100.0
-#: Timestep, s, in which a body at rest moves nowhere.
+#: Timestep, s, so short that a body at rest does not move in it.
 IDLE = 2.0**-60
 #: How far a body is lifted off its contact, in units of the com's distance from its tip.
 ABOVE = 100.0
-#: Relative slack, as a clamped velocity is read back through a rotation, with rounding errors.
+#: Relative tolerance of a clamped velocity, which is read back through a rotation and so rounded.
 ROTATED = 8 * float(np.finfo(float).eps)
-#: What PyBullet prints before a warning.
+#: Word with which PyBullet's warnings begin.
 WARNING = "b3Warning"
 
 
@@ -40,11 +40,13 @@ class PyBulletSession(Session):
     Parameters
     ----------
     representation : how the body is represented and held, and which defaults are kept
+    timestep : length of the steps, s
 
     Raises
     ------
     EngineError
-        If PyBullet cannot load the scene, or warns while it does; with the text that it printed.
+        If PyBullet cannot load the scene, or warns while loading it. The message has the text that
+        PyBullet printed.
     """
 
     def __init__(
@@ -58,7 +60,7 @@ class PyBulletSession(Session):
         self._is_sound = True
 
     def read_body(self) -> BodyReading:
-        """Return mass, com and tensor of the body as PyBullet holds them."""
+        """Return the body, with its rotors, as PyBullet held it after loading."""
         return self.model.body
 
     def read_state(self) -> State:
@@ -72,19 +74,19 @@ class PyBulletSession(Session):
 
     @property
     def restarts_to_the_last_bit(self) -> bool:
-        """Whether the body hangs by a joint; PyBullet rounds the pose of any other body."""
+        """Whether a spherical joint holds the body; PyBullet rounds the pose of any other body."""
         return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set pose and velocities; a body held by a constraint may also be set beside its pivot.
+        """Set the body to a state; one that a constraint holds may be set away from its pivot.
 
-        It raises `UnsupportedError` if the pivot of a rigid body cannot bear the load in that
-        state, and `EngineError` if PyBullet is interrupted.
+        `UnsupportedError` is raised if the pivot of a body in maximal coordinates cannot bear the
+        load in that state, `EngineError` if PyBullet is interrupted.
         """
         timestep = self.world.timestep if timestep is None else timestep
         if self._is_maximal and self._scenario.constraint.is_pivot:
             check_borne(self._scenario, state, timestep)
-        # Motions are kept, as the same few states are set at many timesteps.
+        # Motions are cached, because the same few states are set at many timesteps.
         key = b"".join(column.tobytes() for column in state.columns)
         if key not in self._motions:
             self._motions[key] = self.model.motion(state)
@@ -111,9 +113,9 @@ class PyBulletSession(Session):
         self.advance(1)
 
     def advance(self, steps: int) -> None:
-        """Let the world take steps; raise `EngineError` if it is interrupted in one.
+        """Let the world take steps; raise `EngineError` if PyBullet is interrupted in a step.
 
-        A world that was interrupted is not used again.
+        The world is then not used again.
         """
         try:
             self.world.advance(steps)
@@ -122,10 +124,7 @@ class PyBulletSession(Session):
             raise EngineError(str(error), "warning") from None
 
     def check(self) -> None:
-        """Raise `EngineError` if the clock is not as it was set, or a velocity is clamped.
-
-        It is also raised if ω is NaN.
-        """
+        """Raise `EngineError` if the timestep was changed, a velocity is clamped, or ω is NaN."""
         engine, world = p.getPhysicsEngineParameters(self.client), self.world
         wanted = (world.timestep * world.substeps, world.substeps)
         got = (engine["fixedTimeStep"], engine["numSubSteps"])
@@ -140,7 +139,7 @@ class PyBulletSession(Session):
     def snapshot(self) -> bytes:
         """Return com, attitude, velocity, ω and spins as PyBullet returns them, packed as bytes.
 
-        It raises `EngineError` if ω is NaN: the solvers might not return from such a state.
+        `EngineError` is raised if ω is NaN: in such a state PyBullet's solvers might not return.
         """
         com_world, q_xyzw, velocity_world, omega_world = self.world.motion()
         if isnan(omega_world[0]):
@@ -167,14 +166,14 @@ class PyBulletSession(Session):
         return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, read back or measured by steps: see `what_acts`.
+        """Return what acts on the body, read back from PyBullet or measured by steps.
 
-        The measurements change the body's state and PyBullet's settings.
+        The measurements (`what_acts`) change the body's state and PyBullet's settings.
         """
         return what_acts(self.advance, self.model, self._scenario)
 
     def close(self) -> None:
-        """Return the world for reuse; if something went wrong in it, disconnect it."""
+        """Give the world back for reuse, or disconnect it if something went wrong in it."""
         if not p.isConnected(self.client):
             return
         if self._is_sound and np.isfinite(self.read_state().omega_body).all():
@@ -189,7 +188,7 @@ def _open(scenario: Scenario, representation: BodyRepresentation, timestep: floa
     Raises
     ------
     EngineError
-        If PyBullet cannot load the scene, or warns; with the text that it printed.
+        If PyBullet cannot load the scene, or warns. The message has the text that it printed.
     """
     client = -1
     try:

@@ -1,6 +1,6 @@
-"""A body in a PyBullet world, which needs `pybullet` alone: loaded, stripped, held, pushed.
+"""A body in a PyBullet world: loading, holding and stepping it; this needs `pybullet` alone.
 
-Why each call is there, and what happens without it: docs/measured/engines-pybullet.md.
+docs/measured/engines-pybullet.md says why each call is there, and what happens without it.
 """
 
 import tempfile
@@ -12,29 +12,33 @@ import pybullet as p
 
 #: PyBullet's index of a body's base; its links count from 0.
 BASE = -1
-#: Names of PyBullet's defaults that alter motions; the motor is only on a body on a joint.
+#: Names of PyBullet's defaults that change motions; only a body with joints has the motor.
 INERTIA, DAMPING = "inertia of the shape", "damping"
 JOINT_MOTOR, CLAMP = "joint motor", "velocity clamp"
 DEFAULTS = (INERTIA, DAMPING, JOINT_MOTOR, CLAMP)
 #: A velocity, rad/s and m/s, force, N, and torque, N m, larger than any in a run.
 UNREACHED = 1e100
-#: Parameters of a contact.
+#: Parameters of a contact without friction and restitution.
 FRICTIONLESS = dict.fromkeys(
     ("lateralFriction", "spinningFriction", "rollingFriction", "restitution"), 0
 )
-#: Name of the model's file, and numbers of models in this process.
+#: Name of the model's file, and a counter that numbers the models of this process.
 FILE, numbers = "body.urdf", count()
-#: Largest number of steps in a native call, some 20 ms, as a call cannot be interrupted.
+#: Largest number of steps in a native call: they take some 20 ms, and cannot be interrupted.
 MOST_STEPS_A_CALL = 2**14
 
 
 @cache
 def calls(steps, timestep):
-    """Return the numbers of steps of native calls that take `steps` steps together.
+    """Return a tuple of numbers of steps, one for each native call, whose sum is `steps`.
 
-    One call is enough if PyBullet takes exactly that many: it receives k dt and k, divides the one
-    by the other, and takes as many steps as fit. If k is a power of two, that is exact; otherwise
-    it may take a step less, or steps of another length.
+    For a call of k steps of length dt, PyBullet is given k dt and k; it divides the one by the
+    other, and takes as many steps as fit. This is exact if k is a power of two; otherwise PyBullet
+    may take a step less, or steps of another length. One call is used if this is exact for `steps`.
+
+    Parameters
+    ----------
+    timestep : length of the steps, s
     """
     span = steps * timestep
     each = span / steps
@@ -48,27 +52,27 @@ def calls(steps, timestep):
 class World:
     """One body in a PyBullet world of its own.
 
-    It is loaded in its start pose, because PyBullet turns a rigid body's inertia to world axes only
-    at the end of a step. The record of the scene also has the keys of a motion, and so can be given
-    to `set_moving` for the start.
+    The body is loaded in its pose at the start, because PyBullet turns a rigid body's inertia to
+    world axes only at the end of a step.
 
     Parameters
     ----------
-    scene : numbers by these keys; the last two groups are needed only if `set_up` is called
+    scene : the record of the scene, with these keys; the last two groups are needed only for
+        `set_up`
 
-        - how the body is loaded: `maximal`, whether it has six coordinates and not a joint's;
-          `hung`, whether it hangs by a spherical joint, which is on a number of `slides`, links
-          that slide; `position`, m, and `attitude`, x y z w; `rotors`, the hinge of each;
-          `defaults`, those of PyBullet that are kept
-        - what else acts on it: `gravity`, m/s²; `drag`, N m s; `torque_world`, N m; `plane`, the
-          height of the plane that it lies on, m, or None; `motor`, the gain of the spherical
-          joint's motor; `is_exact`, whether constraints are solved directly
-        - along the principal axes that PyBullet has found: `axes`, these axes in the body's,
-          w x y z, for scripts; `pivot`, the point that is tied to the world's origin, m, or None;
-          `torque_body`, N m
-        - the motion: `turn`, x y z w, and `omega`, rad/s, those of the spherical joint along the
-          principal axes, those of a base along the world's; `place`, m, and `velocity`, m/s, of a
-          base or of the slides; `spins` of the rotors, rad/s
+        - how the body is loaded: `maximal`, whether in maximal coordinates; `hung`, whether it is
+          on a spherical joint; `slides`, the number of slides under that joint; `position`, m;
+          `attitude`, x y z w; `rotors`, a list of their kinds of hinge; `defaults`, the names of
+          PyBullet's defaults that are kept
+        - what acts on it: `gravity`, m/s²; `drag`, N m s; `torque_world`, N m; `plane`, the height
+          of the plane that it lies on, m, or None; `motor`, the gain of the spherical joint's
+          motor; `is_exact`, whether constraints are solved directly
+        - along the principal axes that PyBullet has found: `axes`, the attitude of these axes in
+          the scene's body axes, w x y z, which scripts use; `pivot`, the point that is tied to the
+          world's origin, m, or None; `torque_body`, N m
+        - the motion at the start: `turn`, the attitude, x y z w, and `omega`, rad/s, of the
+          spherical joint, along principal axes, or of a base, in world axes; `place`, m, and
+          `velocity`, m/s, of the slides or of a base; `spins` of the rotors, rad/s
     client : PyBullet's number of an empty world
     files : the contents of `FILE`, a URDF, and of its meshes, by their names
     """
@@ -77,8 +81,8 @@ class World:
         self.scene, self.client = scene, client
         self.link = scene["slides"] if scene["hung"] else BASE
         flags = 0 if INERTIA in scene["defaults"] else p.URDF_USE_INERTIA_FROM_FILE
-        # PyBullet keeps files and meshes by name, so each model has a folder of its own, which is
-        # removed before the run begins: a process may be killed during the run.
+        # PyBullet caches files and meshes by name, so each model has a folder of its own. It is
+        # removed now, not after the run, because the process may be killed during the run.
         prefix = f"scene-{next(numbers)}-"
         with tempfile.TemporaryDirectory(prefix=prefix, ignore_cleanup_errors=True) as folder:
             for name, content in files.items():
@@ -91,7 +95,7 @@ class World:
                 flags=flags,
                 physicsClientId=client,
             )
-        # Hinges of rotors by their links, which come last.
+        # The kinds of the rotors' hinges, by number of their links, which come last.
         self.first_rotor = p.getNumJoints(self.body, client) - len(scene["rotors"])
         hinges = dict(enumerate(scene["rotors"], start=self.first_rotor))
         self.hinges = {link: hinge for link, hinge in hinges.items() if hinge != "locked"}
@@ -129,21 +133,18 @@ class World:
         self.set_timestep(timestep)
 
     def change(self, link, **numbers):
-        """Set dynamics parameters of the base or a link, by the names that `changeDynamics` has."""
+        """Set dynamics parameters of the base or a link, named as in `changeDynamics`."""
         p.changeDynamics(self.body, link, physicsClientId=self.client, **numbers)
 
     def take_away_damping(self):
-        """Set the body's linear and angular damping to 0, also that of a body with joints.
-
-        PyBullet keeps both with the body's base.
-        """
+        """Set linear and angular damping to 0 for all links; PyBullet keeps both with the base."""
         self.change(BASE, linearDamping=0, angularDamping=0)
 
     def set_motor(self, gain):
-        """Set the gain of the motor that holds a spherical joint's velocity at zero.
+        """Set the gain of the motor with which PyBullet brakes a spherical joint.
 
-        As `gain`, the number 0 removes the motor, and three zeros keep it in the solver, without a
-        force. A motor that was removed cannot be added again.
+        A `gain` of 0 removes the motor; three zeros keep it in the solver, without a force. A motor
+        that was removed cannot be added again.
         """
         self.control(
             p.POSITION_CONTROL,
@@ -154,7 +155,7 @@ class World:
         )
 
     def control(self, mode, **numbers):
-        """Control the spherical joint that the body hangs by.
+        """Control the spherical joint that holds the body.
 
         `mode` and `numbers` are arguments of `setJointMotorControlMultiDof`.
         """
@@ -166,8 +167,8 @@ class World:
         """Tie the body's point `pivot` to the world's origin by a point-to-point constraint."""
         client, anchor = self.client, BASE
         if self.scene["maximal"]:
-            # In maximal coordinates a constraint takes two bodies: one without mass or shape, which
-            # does not move, stands for the world.
+            # In maximal coordinates a constraint is between two bodies. The second, without mass or
+            # shape, does not move and stands for the world.
             anchor = p.createMultiBody(
                 baseMass=0, useMaximalCoordinates=True, physicsClientId=client
             )
@@ -186,10 +187,10 @@ class World:
         p.changeConstraint(constraint, maxForce=UNREACHED, physicsClientId=client)
 
     def lay_under(self):
-        """Put a plane under the body, at height `plane`, and take away friction and restitution.
+        """Put a plane without friction and restitution under the body, at height `plane`.
 
-        The depth of contacts that Bullet leaves uncorrected, 1e-5 m by default, is set to 0: it
-        would show in the limit of short steps.
+        The depth of contacts that Bullet leaves uncorrected, 1e-5 m by default, is set to 0,
+        because the error by it does not vanish with the timestep.
         """
         client = self.client
         p.setPhysicsEngineParameter(contactSlop=0, physicsClientId=client)
@@ -208,9 +209,9 @@ class World:
         self.set_timestep(timestep)
 
     def set_moving(self, motion):
-        """Set all velocities and spins of a motion, and the coordinates of joints.
+        """Set the velocities and spins of a motion, and the coordinates of joints.
 
-        The pose of the base is left as it is.
+        The pose of a base is left as it is. For the start, `motion` is the whole record.
         """
         place, velocity, omega = motion["place"], motion["velocity"], motion["omega"]
         if self.link == BASE:
@@ -222,17 +223,17 @@ class World:
         self.set_spins(motion["spins"])
 
     def turn_joint(self, turn, omega):
-        """Set the attitude of the joint that the body hangs by, x y z w, and its ω, rad/s.
+        """Set attitude, x y z w, and ω, rad/s, of the spherical joint that holds the body.
 
         Both are along the principal axes.
         """
         p.resetJointStateMultiDof(self.body, self.link, turn, omega, physicsClientId=self.client)
 
     def set_spins(self, spins):
-        """Set the spins of the rotors, rad/s, and the spins that the drives of driven ones keep.
+        """Set the spins of the rotors, rad/s, and their angles to 0.
 
-        `spins` has a number for each rotor. The angles of those that turn become 0; locked ones are
-        left as they are.
+        `spins` has a number for each rotor, which is ignored for a locked one. The drives of driven
+        rotors keep their new spins from now on.
         """
         for link, spin in enumerate(spins, start=self.first_rotor):
             if link in self.hinges:
@@ -246,7 +247,10 @@ class World:
             self.drive(link, 0.0, 0.0)
 
     def drive(self, link, spin, torque):
-        """Make a hinge keep its spin, rad/s, with a torque of at most `torque`, N m."""
+        """Set the motor of a hinge or slide: the spin that it keeps, rad/s, and its largest torque.
+
+        The torque is in N m; a motor with torque 0 is off.
+        """
         p.setJointMotorControl2(
             self.body,
             link,
@@ -257,11 +261,11 @@ class World:
         )
 
     def set_torques(self):
-        """Choose the torques to apply before a call, and whether that call may take many steps.
+        """Choose the torques to apply before each native call, and whether it may take many steps.
 
-        PyBullet applies a torque in all steps of a call and clears it afterwards. A torque constant
-        in world axes, or on a joint, is right for all of them; any other must be set again every
-        step.
+        PyBullet applies a torque in all steps of a call and clears it afterwards. This is right for
+        a torque that is constant in world axes, or one on a joint. With any other torque, each step
+        needs a call of its own.
         """
         in_world, in_body, drag = map(self.scene.get, ("torque_world", "torque_body", "drag"))
         on_base = self.link == BASE
@@ -278,14 +282,14 @@ class World:
             self.change(self.link, jointDamping=drag)
 
     def push(self, torque, frame):
-        """Apply a torque, N m, to the body's base or link, along the axes that `frame` names.
+        """Apply a torque, N m, to the base or link that is the body.
 
-        `frame` is `LINK_FRAME` or `WORLD_FRAME`.
+        `frame` is PyBullet's name of the torque's axes, `LINK_FRAME` or `WORLD_FRAME`.
         """
         p.applyExternalTorque(self.body, self.link, torque, frame, self.client)
 
     def resist(self, drag):
-        """Apply the torque −drag ω to a body that does not hang by a joint."""
+        """Apply the torque −drag ω, N m, to a body that is not on a spherical joint."""
         _, (x, y, z) = p.getBaseVelocity(self.body, self.client)
         self.push((-drag * x, -drag * y, -drag * z), p.WORLD_FRAME)
 
@@ -294,9 +298,9 @@ class World:
         self.timestep, self.substeps = timestep, 0
 
     def advance(self, steps):
-        """Take whole steps, many in a call if no torque has to be renewed in between.
+        """Take `steps` steps, many in a native call if no torque has to be set again in between.
 
-        It raises RuntimeError if PyBullet is interrupted in a step.
+        RuntimeError is raised if PyBullet is interrupted in a step.
         """
         if steps == self.substeps and self.at_once:
             self.step(steps)
@@ -319,22 +323,23 @@ class World:
             raise RuntimeError("PyBullet did not complete a step")
 
     def motion(self):
-        """Return com, attitude of the principal axes as x, y, z, w, velocity, ω; world axes.
+        """Return com, attitude (x y z w), velocity and ω, in world axes.
 
-        They are those of the base or, if the body hangs by a joint, of its link, without rotors. A
-        link's motion is computed anew: PyBullet's cached values are one step old.
+        They are those of the base, or of the link on the spherical joint, without rotors; the
+        attitude is that of its principal axes. A link's motion is computed anew, because PyBullet's
+        cached values are those of the step before.
         """
         if self.link == BASE:
             com_world, q_xyzw = p.getBasePositionAndOrientation(self.body, self.client)
             velocity_world, omega_world = p.getBaseVelocity(self.body, self.client)
             return com_world, q_xyzw, velocity_world, omega_world
-        # The flags are computeLinkVelocity and computeForwardKinematics; keywords would take
-        # longer.
+        # The two numbers 1 are computeLinkVelocity and computeForwardKinematics; passing them by
+        # keyword would take longer.
         state = p.getLinkState(self.body, self.link, 1, 1, self.client)
         return state[0], state[1], state[6], state[7]
 
     def spins(self):
-        """Return the spins of the rotors that turn, relative to the body, rad/s."""
+        """Return the spins, rad/s, of the rotors that are not locked, as a tuple."""
         if not self.hinges:
             return ()
         return tuple(state[1] for state in p.getJointStates(self.body, [*self.hinges], self.client))

@@ -1,12 +1,12 @@
-"""Reuses PyBullet worlds, since connecting to a new one takes as long as thousands of steps.
+"""Reuses PyBullet worlds, because connecting to a new one takes as long as thousands of steps.
 
-In an emptied world bodies move as in a new one, to the last bit.
+In a world that was emptied, bodies move as in a new one, to the last bit.
 """
 
 import pybullet as p
 from spincheck.engine import EngineError
 
-#: Timestep, s, and number of steps in a call, of a new world.
+#: Parameters of a new world: timestep, s, and number of steps in a call (0 stands for one step).
 DEFAULT_TIMESTEP, DEFAULT_SUBSTEPS = 1 / 240, 0
 
 _empty: list[int] = []
@@ -29,7 +29,7 @@ def take_world() -> int:
 
 
 def give_back(client: int) -> None:
-    """Empty a world, for reuse.
+    """Empty the world with PyBullet's number `client`, and keep it for reuse.
 
     Constraints and bodies are removed one by one: a reset alone leaves them in PyBullet's lists.
     """
@@ -37,7 +37,8 @@ def give_back(client: int) -> None:
         p.removeConstraint(p.getConstraintUniqueId(index, client), client)
     for index in reversed(range(p.getNumBodies(client))):
         p.removeBody(p.getBodyUniqueId(index, client), client)
-    # By keyword: the first positional argument is not the client, and world 0 would be emptied.
+    # By keyword, because the first positional argument is not the client: passed by position, world
+    # 0 would be emptied instead.
     p.resetSimulation(physicsClientId=client)
     p.setPhysicsEngineParameter(
         fixedTimeStep=DEFAULT_TIMESTEP, numSubSteps=DEFAULT_SUBSTEPS, physicsClientId=client

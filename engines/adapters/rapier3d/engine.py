@@ -1,6 +1,7 @@
 """Rapier 3D, in single precision, from its Python package `rapier3d`.
 
-What it does to a top by default, and how each effect was measured: docs/measured/engines-more.md.
+docs/measured/engines-more.md says what the engine does to a top by default, and how effects were
+measured.
 """
 
 from collections.abc import Iterator
@@ -15,16 +16,16 @@ from ...world_engine import WorldEngine
 from ...world_parts import matrix, push
 from ...world_session import WorldSession
 
-#: Effects that it can simulate: a rotor's hinge and a table are joints that lock other axes than a
-#: pivot.
+#: Effects that Rapier can simulate. A pivot, a table and a rotor's hinge are joints that lock
+#: different axes.
 EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
-#: Number of axes, of translation and of rotation, that a joint can lock.
+#: Number of axes, three of translation and three of rotation, that a joint can lock.
 EVERY = 6
-#: Largest turn in a step, rad, by default: ANGULAR_MOTION_THRESHOLD of its sources.
+#: Largest rotation in a step, rad, by default: ANGULAR_MOTION_THRESHOLD of Rapier's sources.
 MOST_ROTATION_A_STEP = pi / 4
-#: Relative rounding of numbers in single precision.
+#: Relative tolerance of numbers that were rounded to single precision.
 SLACK = 8 * float(np.finfo(np.float32).eps)
-#: What users write to keep bodies from falling asleep, and from being clamped.
+#: Lines by which users set the timestep, and keep a body from falling asleep and being clamped.
 AWAKE = """\
 world.integration_parameters.dt = TIMESTEP
 body = rapier3d.RigidBody.dynamic().can_sleep(False).allow_fast_rotation(True)"""
@@ -35,47 +36,47 @@ class Rapier3DSession(WorldSession):
     """A session of one body in a Rapier world; the body's origin is its com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as Rapier holds it: principal moments, their axes, the joint's anchor."""
+        """Return the body as Rapier holds it, in the record's axes and from the com.
+
+        The point where it is held is the joint's anchor.
+        """
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.data.local_anchor2)
         rotors = [self._rotor(*rotor) for rotor in self.world.rotors]
         return WorldBody(*self._mass_of(self.world.body), arm, rotors)
 
     def _mass_of(self, body: Any) -> tuple[float, FloatArray, FloatArray]:
-        """Return mass, com and tensor about the com of a body, SI units, in its own axes."""
+        """Return a body's mass, kg, com, m, and tensor about the com, kg m², in its own axes."""
         properties, xyz = body.mass_properties, self.module.xyz
         axes = matrix(self.module.wxyz(properties.principal_inertia_local_frame))
         inertia = axes @ np.diag(xyz(properties.principal_inertia)) @ axes.T
         return body.mass, xyz(properties.local_com), inertia
 
     def _rotor(self, body: Any, joint: Any) -> HeldRotor:
-        """Return a rotor as Rapier holds it, along the axes of the body that carries it.
+        """Return a rotor as Rapier holds it, in the axes and from the origin of the scene's body.
 
-        Its place is from the origin of that body. The axes of the two bodies coincide at the start,
-        so that the rotor's tensor needs no rotation.
+        The axes of the two bodies coincide at the start, so that the rotor's tensor needs no
+        rotation.
 
         Parameters
         ----------
         body : the rotor's body
-        joint : the joint between the body that carries the rotor and the rotor
+        joint : the joint between the scene's body and the rotor
         """
         (mass, com, inertia), hinge, xyz = self._mass_of(body), joint.data, self.module.xyz
         place = xyz(hinge.local_anchor1) + com - xyz(hinge.local_anchor2)
         turns = self.module.count(hinge.locked_axes) < EVERY
-        # Rapier's `local_axis1` has the anchor added to it, which is subtracted here.
+        # The axis is taken from the joint's frame: Rapier adds the anchor to its `local_axis1`.
         axis = matrix(self.module.wxyz(hinge.local_frame1.rotation))[:, 0] * turns
         return HeldRotor(mass, place, inertia, axis)
 
     def advance(self, steps: int) -> None:
-        """Take steps; raise `EngineError` if a body has numbers that are not finite.
-
-        Rapier reports that only after the step.
-        """
+        """Take steps; raise `EngineError` if Rapier then reports numbers that are not finite."""
         self.world.advance(steps)
         self.check()
 
     def check(self) -> None:
-        """Raise `EngineError` if Rapier has quarantined a body, as its numbers are not finite."""
+        """Raise `EngineError` if Rapier has quarantined a body: its numbers are not finite."""
         if self.world.quarantined:
             raise EngineError("Rapier has quarantined the body: not finite", "not-finite")
 
@@ -113,7 +114,7 @@ class Rapier3DSession(WorldSession):
         return frozenset(acting | stated_effects if got.any() else acting)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield in words how the joints of rotors differ from what the scene states."""
+        """Yield, in words, how the joints of rotors differ from what the scene states."""
         described = self.scene.get("rotors", ())
         for number, (rotor, (_, joint)) in enumerate(
             zip(described, self.world.rotors, strict=True), 1
@@ -128,13 +129,13 @@ class Rapier3DSession(WorldSession):
 
 @final
 class Rapier3D(WorldEngine):
-    """The engine Rapier, with its rigid bodies, and a pivot as an impulse joint."""
+    """The engine Rapier, with rigid bodies held together by impulse joints."""
 
     session = Rapier3DSession
     name = "rapier3d"
     package = "rapier3d"
     single_precision = True
-    # IntegrationParameters.dt of its documentation.
+    # The default of IntegrationParameters.dt, from Rapier's documentation.
     stock_timestep = 1 / 60
     methods = (
         Method(

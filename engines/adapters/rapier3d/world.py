@@ -5,9 +5,10 @@ import rapier3d
 
 from ...world_parts import is_pushed, matrix, push, quaternion, rotor_tensor
 
-#: Gain of a drive, so large that the drive allows no change of the spin.
+#: Gain of a drive, so large that the spin does not change.
 FIRM = 1e9
-#: Natural frequency of a joint's spring, Hz. Rapier's own, 1e6, is felt by steps of a microsecond.
+#: Natural frequency of the spring that a joint is, Hz. With Rapier's default, 1e6, the spring gives
+#: way in steps of a microsecond.
 RIGID = 1e12
 
 
@@ -22,23 +23,23 @@ def xyz(v):
 
 
 def count(mask):
-    """Return how many axes a joint's mask locks."""
+    """Return the number of axes that a joint's mask locks."""
     return mask.bits.bit_count()
 
 
 def is_soft(joint):
-    """Return whether a joint is a spring softer than `RIGID`, which short steps feel."""
+    """Return whether a joint's spring is softer than `RIGID`: it gives way in short steps."""
     return joint.data.softness.natural_frequency < RIGID / 2
 
 
 class World:
-    """One body, the joint that holds it unless it is free, and its rotors with their hinges.
+    """One body, a joint that holds it if it is not free, and its rotors with their hinges.
 
     Parameters
     ----------
     scene : the scene's record
     method : name of the method
-    timestep : s
+    timestep : length of the steps, s
     """
 
     def __init__(self, scene, method, timestep):
@@ -46,9 +47,12 @@ class World:
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Build a new world with another motion, keyed as in the scene's record, and timestep, s.
+        """Build a new world at another motion, so that nothing of earlier steps is left.
 
-        Nothing of earlier steps is left.
+        Parameters
+        ----------
+        motion : a motion with the keys of the scene's record
+        timestep : length of the steps from now on, s
         """
         self.scene = scene = self.scene | motion
         self.quarantined = False
@@ -71,9 +75,9 @@ class World:
 
         Parameters
         ----------
-        motion : mass and motion of the body, keyed as in the scene's record
+        motion : mass and motion of the body, with the keys of the scene's record
         moments : principal moments, kg m², (3,)
-        frame : the rotation from the principal axes to the body's axes
+        frame : Rapier's rotation from the principal axes to the body's axes
         """
         mass = rapier3d.MassProperties((0.0, 0.0, 0.0), motion["mass"], tuple(moments), frame)
         described = rapier3d.RigidBody.dynamic().additional_mass_properties(mass)
@@ -85,18 +89,18 @@ class World:
         body.position = rapier3d.Isometry3(tuple(motion["com"]), attitude)
         body.linvel = tuple(motion["velocity"])
         body.angvel = tuple(motion["omega"])
-        # Before this step its mass reads 0.
+        # Without this call its mass would read 0 before the first step.
         body.recompute_mass_properties_from_colliders(self.world.colliders)
         return body, handle
 
     def add_rotor(self, carrier, rotor, spin):
-        """Add a rotor, its axes along those of the carrier; return the rotor's body and joint.
+        """Add a rotor with the same axes as its carrier; return the rotor's body and joint.
 
         Parameters
         ----------
-        carrier : handle of the body that the rotor is on
-        rotor : the rotor's record
-        spin : angular velocity about its axis, relative to the carrier, rad/s
+        carrier : handle of the body that carries the rotor
+        rotor : the rotor's entry in the record
+        spin : angular velocity about the rotor's axis, relative to the carrier, rad/s
         """
         scene, hinge = self.scene, rotor["hinge"]
         R = matrix(scene["q"])
@@ -119,7 +123,13 @@ class World:
         return body, self.add_joint(carrier, handle, joint)
 
     def add_joint(self, parent, child, described):
-        """Add a joint between two bodies, given their handles and a builder; return the joint."""
+        """Add a joint between two bodies; return it.
+
+        Parameters
+        ----------
+        parent, child : handles of the two bodies
+        described : Rapier's builder of the joint
+        """
         if self.method != "default":
             described = described.softness(rapier3d.SpringCoefficients(RIGID, 1.0))
         number = self.world.impulse_joints.insert(parent, child, described.build())
@@ -130,7 +140,10 @@ class World:
         return [self.joint] * (self.joint is not None) + [joint for _, joint in self.rotors]
 
     def motion(self):
-        """Return attitude, w x y z, ω, com and its velocity, in world axes, then the spins."""
+        """Return the state as one array, (13 + rotors,), in world axes.
+
+        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
+        """
         body = self.body
         q, omega = wxyz(body.rotation), xyz(body.angvel)
         spun = [xyz(rotor.angvel) - omega for rotor, _ in self.rotors]
@@ -139,9 +152,9 @@ class World:
         return np.concatenate([q, omega, xyz(body.center_of_mass), xyz(body.linvel), spins])
 
     def push(self):
-        """Set the torque on the body, which Rapier keeps until it is reset.
+        """Set the scene's torque on the body in its present state.
 
-        Returns the torque, N m, world axes, (3,).
+        Rapier keeps a torque until it is reset. The torque is returned, N m, world axes, (3,).
         """
         rotation = matrix(wxyz(self.body.rotation))
         torque = push(self.scene, rotation, xyz(self.body.angvel))
@@ -150,11 +163,11 @@ class World:
         return torque
 
     def advance(self, steps):
-        """Take steps."""
+        """Take `steps` steps."""
         pushed = is_pushed(self.scene)
         for _ in range(steps):
             if pushed:
                 self.push()
             self.world.step()
-            # Rapier stops a body whose numbers are not finite, and says so only after the step.
+            # Rapier quarantines a body whose numbers are not finite, and reports it after the step.
             self.quarantined |= not self.world.quarantine.is_empty()
