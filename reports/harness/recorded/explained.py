@@ -119,12 +119,14 @@ def _by_equations(case: Case) -> Explanation:
     if noise is not None:
         has = {"is_stated": case.stated is not None, "has_omega": case.has_omega}
         log = log_of(case.scenario, case.motion, case.exact, noise, **has)
+        log = log.while_followed(case.exact)
         fit, case = Measured(case.scenario, log), replace(case, noise=noise)
         # If ω was recorded wrongly, that is corrected before the log is fitted.
         is_tried = fit.search.is_called_for and _may_be_mistaken(case)
         if is_tried and (both := _beside_a_mistake(case)):
             return both
-        if fit.is_beyond and (words := since_when(fit, case.motion, case.exact)):
+        compared = case.motion.until(len(log.t)), case.exact.until(len(log.t))
+        if fit.is_beyond and (words := since_when(fit, *compared)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # A constraint solver's error looks like noise, but the method has other errors, too.
         is_measured = case.stated is not None or bool((noise > _of_solvers(case)).any())

@@ -13,6 +13,7 @@ from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.rotation import norms
 from ...explaining.fit import Data, Fit
 from ...explaining.hypothesis import Hypothesis, as_it_is
+from ...explaining.search import LEFT
 from ..samples.intervals import FASTER, states_of
 from ..samples.mistakes import FITS
 from ..samples.sensors import as_read
@@ -42,6 +43,7 @@ class Log(Data):
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
     is_stated : whether the noise was stated by the user; else it was estimated
     has_omega : whether ω was recorded; if not, only attitudes are fitted
+    dropped : number of samples after the last one that `while_followed` has left out
     """
 
     scene_start: FloatArray
@@ -50,6 +52,7 @@ class Log(Data):
     noise: FloatArray
     is_stated: bool
     has_omega: bool
+    dropped: int = 0
 
     @cached_property
     def rate(self) -> float:
@@ -124,13 +127,34 @@ class Log(Data):
         -------
         The body's q, scalar first, and ω, rad/s, body axes; not what sensors would read
         """
-        changed = hypotheses.start
+        # A delay, for example, may be so long that the start is not finite.
+        is_finite = np.isfinite(norms(hypotheses.start))[:, None]
+        changed = np.where(is_finite, hypotheses.start, 0.0)
         turn = Rotation.from_rotvec(changed[:, :3])
         q = Rotation.from_quat(self.scene_start[:4], scalar_first=True) * turn
-        omega = self.scene_start[4:] + changed[:, 3:]
+        omega = np.where(is_finite, self.scene_start[4:] + changed[:, 3:], np.nan)
         starts = np.hstack([q.as_quat(scalar_first=True), omega])[:, None]
         spans = hypotheses.step[:, None, None] * np.diff(t, prepend=self.t[0])
         return follow_each(hypotheses, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
+
+    def while_followed(self, exact: Trajectory) -> "Log":
+        """Return the log without the samples at the end that rounding of the start has reached.
+
+        Near an unstable motion a difference of the start grows without bound. From the first sample
+        on at which the scene's own equations, followed from the start, are off the exact motion by
+        a part of the noise, no hypothesis can be compared with the samples. The first `FEWEST` are
+        kept in any case.
+
+        Parameters
+        ----------
+        exact : the exact motion at the times of the log
+        """
+        (made,) = self.made(self.base[None], self.t)
+        off = np.abs(apart(made, states_of(exact)) / np.repeat(self.noise, 3)).max(axis=1)
+        lost = np.flatnonzero(~(off <= LEFT))
+        kept = max(FEWEST, int(lost[0])) if len(lost) else len(self.t)
+        dropped = max(0, len(self.t) - kept)
+        return replace(self, t=self.t[:kept], states=self.states[:kept], dropped=dropped)
 
     def prior_residuals(self, hypotheses: Hypothesis) -> FloatArray:
         """Return the deviations of H hypotheses' tensors of inertia from the scene's, (H, 9).

@@ -139,7 +139,8 @@ class LogFit:
     def found(self) -> Fit:
         """The best fit, with all changes that the samples require."""
         search = self.search
-        found = search.from_first_samples(MOST_CHANGES)
+        # From the first samples of a sensitive motion, a fit may go astray.
+        found = max(search.unchanged, search.from_first_samples(MOST_CHANGES), key=search.score)
         if self._is_beyond(found) or len(found.changes) > 1:
             # Most measured bodies have another start and tensor than the scene, whatever else.
             other = search.from_first_samples(MOST_CHANGES, (START, self.tensor))

@@ -13,6 +13,12 @@ from ..samples.sensors import CROSS_AXIS, OF_LOGS, of_sensor
 from .log_fit import START, LogFit
 from .starts import started_elsewhere
 
+#: What the verdict adds if samples were left out.
+LEFT_OUT = (
+    "; samples after t = {:.4g} s are left out, as a difference of the start by rounding has grown "
+    "to the noise there"
+)
+
 
 class Measured(LogFit):
     """The fit of a measured motion, with its results in words and as a record for JSON."""
@@ -25,9 +31,10 @@ class Measured(LogFit):
         noise += f" and {in_omega:.3g} rad/s in ω" if self.log.has_omega else ""
         known = "stated" if self.log.is_stated else "estimated"
         where = "beyond" if self.is_beyond else "within"
+        left_out = LEFT_OUT.format(self.log.t[-1]) if self.log.dropped else ""
         return (
             f"{where} {noise}, which is {known}: χ² is {self.chi2:.0f}, of {self.freedom} degrees "
-            "of freedom"
+            f"of freedom{left_out}"
         )
 
     def tensor_in_words(self) -> str:
