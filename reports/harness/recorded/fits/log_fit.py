@@ -139,8 +139,13 @@ class LogFit:
     def found(self) -> Fit:
         """The best fit, with all changes that the samples require."""
         search = self.search
-        # From the first samples of a sensitive motion, a fit may go astray.
-        found = max(search.unchanged, search.from_first_samples(MOST_CHANGES), key=search.score)
+        if not self._is_beyond(search.unchanged):
+            every = replace(search, changes=[*search.changes, self.by_attitude])
+            if every.stepwise(search.unchanged, MOST_CHANGES) is search.unchanged:
+                return search.unchanged
+        # A fit from the first samples of a sensitive motion may go astray.
+        first = search.from_first_samples(MOST_CHANGES)
+        found = max(search.unchanged, first, key=search.score)
         if self._is_beyond(found) or len(found.changes) > 1:
             # Most measured bodies have another start and tensor than the scene, whatever else.
             other = search.from_first_samples(MOST_CHANGES, (START, self.tensor))

@@ -12,6 +12,7 @@ from reported_faults import judged
 from scipy.spatial.transform import Rotation
 from spincheck.reference import solve
 from spincheck.reports.harness.recorded.files.recording import Recording
+from spincheck.reports.harness.recorded.fits.log import log_of
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.scenarios.fastest_rate import fastest_rate
 from stepped import METHODS, SteppedEngine
@@ -81,6 +82,45 @@ def test_an_honest_run_of_the_library_is_not_accused_any_more(
     found = judged_motion(scenario, recording, method.order)
     assert found.explained_by == ()
     assert not found.is_beyond
+
+
+#: Each follows an unstable motion, near which any difference grows by 10¹⁰ and more.
+SENSITIVE = ("pendulum-just-under", "pendulum-on-the-separatrix", "separatrix-exactly")
+
+
+@pytest.mark.parametrize("name", SENSITIVE)
+@pytest.mark.parametrize("size", [1e-4, 1e-2])
+@pytest.mark.parametrize("is_stated", [False, True])
+def test_noise_about_a_sensitive_motion_is_explained_by_nothing(
+    name: str, size: float, is_stated: bool
+) -> None:
+    scenario, chance = library_scene(name), np.random.default_rng(7)
+    exact = solve(scenario, scenario.times).trajectory
+    speed = float(np.linalg.norm(exact.omega_body, axis=1).max())
+    turned = Rotation.from_rotvec(chance.normal(0, size, exact.omega_body.shape))
+    q = Rotation.from_quat(exact.q_world_body_wxyz, scalar_first=True) * turned
+    omega = exact.omega_body + chance.normal(0, size * speed, exact.omega_body.shape)
+    arrays = {"t": exact.t, "q": q.as_quat(scalar_first=True), "omega": omega}
+    noise = {"noise_attitude": repr(size), "noise_omega": repr(size * speed)}
+    recording = Recording(Path("motion.csv"), arrays, noise if is_stated else {})
+    found = judged_motion(scenario, recording)
+    assert found.explained_by == ()
+    assert not found.is_beyond
+    assert found.measured is not None
+    if name != "pendulum-just-under":
+        assert "are left out, as a difference of the start by rounding has grown" in found.verdict
+
+
+def test_a_start_that_is_not_finite_leads_to_no_motion() -> None:
+    one = case(36)
+    exact = solve(one.scenario, one.scenario.times).trajectory
+    has = {"is_stated": True, "has_omega": True}
+    log = log_of(one.scenario, exact, exact, np.ones(2), **has)
+    starts = np.zeros((3, 6))
+    starts[1:, 0] = np.inf, 1e200
+    made = log.made(log.base.repeated(3).of(start=starts), log.t)
+    assert np.isfinite(made[0]).all()
+    assert np.isnan(made[1:, 1:]).any(axis=(1, 2)).all()
 
 
 def test_what_a_solver_leaves_is_no_measured_noise() -> None:
