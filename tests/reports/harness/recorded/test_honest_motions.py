@@ -1,21 +1,17 @@
 """Honest motions that were accused once, each by another cause, are not."""
 
 from itertools import chain
-from pathlib import Path
 
 import numpy as np
 import pytest
+from honest_library import NOISES, noisy, stepped_run
 from honest_motions import honest
 from library_scenes import library_scene
 from planted_motions import case, exactly, rates_of, stepped
 from reported_faults import judged
 from scipy.spatial.transform import Rotation
 from spincheck.reference import solve
-from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.fits.log import log_of
-from spincheck.reports.harness.recorded.judged import judged_motion
-from spincheck.scenarios.fastest_rate import fastest_rate
-from stepped import METHODS, SteppedEngine
 
 pytestmark = pytest.mark.slow
 
@@ -69,17 +65,9 @@ ACCUSED_OF_THE_LIBRARY = {
 def test_an_honest_run_of_the_library_is_not_accused_any_more(
     name: str, which: int, turn: float
 ) -> None:
-    """About 200 samples of a run of the engine that steps in these tests."""
-    scenario, method = library_scene(name), METHODS[which]
-    rate = fastest_rate(scenario, solve(scenario, scenario.times).trajectory.omega_body)
-    steps = min(60_000, round(scenario.window.duration * rate / turn))
-    samples = np.arange(0, steps + 1, max(1, steps // 200))
-    run = SteppedEngine().run(scenario, method, turn / rate, samples)
-    assert run.trajectory is not None
-    motion = run.trajectory
-    arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": motion.omega_body}
-    recording = Recording(Path("motion.csv"), arrays, {"timestep": repr(turn / rate)})
-    found = judged_motion(scenario, recording, method.order)
+    run = stepped_run(library_scene(name), which, turn)
+    assert run is not None
+    found = run.judged()
     assert found.explained_by == ()
     assert not found.is_beyond
 
@@ -89,21 +77,12 @@ SENSITIVE = ("pendulum-just-under", "pendulum-on-the-separatrix", "separatrix-ex
 
 
 @pytest.mark.parametrize("name", SENSITIVE)
-@pytest.mark.parametrize("size", [1e-4, 1e-2])
+@pytest.mark.parametrize("size", NOISES)
 @pytest.mark.parametrize("is_stated", [False, True])
 def test_noise_about_a_sensitive_motion_is_explained_by_nothing(
     name: str, size: float, is_stated: bool
 ) -> None:
-    scenario, chance = library_scene(name), np.random.default_rng(7)
-    exact = solve(scenario, scenario.times).trajectory
-    speed = float(np.linalg.norm(exact.omega_body, axis=1).max())
-    turned = Rotation.from_rotvec(chance.normal(0, size, exact.omega_body.shape))
-    q = Rotation.from_quat(exact.q_world_body_wxyz, scalar_first=True) * turned
-    omega = exact.omega_body + chance.normal(0, size * speed, exact.omega_body.shape)
-    arrays = {"t": exact.t, "q": q.as_quat(scalar_first=True), "omega": omega}
-    noise = {"noise_attitude": repr(size), "noise_omega": repr(size * speed)}
-    recording = Recording(Path("motion.csv"), arrays, noise if is_stated else {})
-    found = judged_motion(scenario, recording)
+    found = noisy(library_scene(name), size, is_stated=is_stated).judged()
     assert found.explained_by == ()
     assert not found.is_beyond
     assert found.measured is not None
