@@ -156,7 +156,7 @@ class NewtonSession(WorldSession):
         return float(model.steel.rigid_body_angular_damping.numpy()[0] * is_free)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield words on each joint whose armature, or the lack of one, is not as the scene needs."""
+        """Yield words on each joint that has an armature without being driven, or the reverse."""
         model = self.world.model
         armature, starts = model.joint_armature.numpy(), model.joint_qd_start.numpy()
         if armature[: starts[1]].any():
