@@ -171,6 +171,6 @@ def _not_installed(engine: Engine) -> Missing:
 
 
 def _discovered_by(module: ModuleType) -> Iterable[Engine | Missing]:
-    """Return the engines that a module's function `discovered` finds; none if it has none."""
+    """Return the engines that a module's function `discovered` finds, if there is one."""
     discovered: Callable[[], Iterable[Engine | Missing]] = vars(module).get("discovered", tuple)
     return discovered()

@@ -209,7 +209,7 @@ class Opened(ChildAnswer):
 
 
 class Seconds(ChildAnswer):
-    """The time that some steps took, s, as the child measures it, without the call around them."""
+    """The time that some steps took, s, as the child measures it around the steps alone."""
 
     seconds: Positive
 

@@ -272,9 +272,9 @@ class World:
     def terms(self, body, turning, place, omega):
         """Return the size of the terms that the body or a rotor adds to the solver's residual.
 
-        The tolerance of Newton's iteration is in proportion to it. It is a torque, N m, plus a
-        force, N: the torque is the largest moment times ω², the size of the terms of ω × I ω; the
-        force is the mass times g and the com's centripetal acceleration.
+        The tolerance of Newton's iteration grows with this size, a torque, N m, plus a force, N.
+        The torque is the largest moment times ω², the size of the terms of ω × I ω. The force is
+        the mass times the sum of g and the com's centripetal acceleration.
 
         Parameters
         ----------

@@ -72,7 +72,7 @@ def batch(
 
     Parameters
     ----------
-    texts : the MJCF of each scene, with an entry for each scene that differs from the others
+    texts : the MJCF of each scene; equal scenes share an entry
     timestep : length of the steps, s
     is_double : whether MJX computes in double precision; else in single
     """

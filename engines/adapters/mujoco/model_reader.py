@@ -55,7 +55,7 @@ class MuJoCoModelReader(ModelReader):
         return str(mujoco.mj_versionString())
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Return the bodies of a file that is compiled here, by name, each without children."""
+        """Compile a file; return its bodies by their names, each without its children."""
         try:
             # A temporary current folder, because MuJoCo writes a log of its warnings there.
             with tempfile.TemporaryDirectory() as folder, chdir(folder):
@@ -101,7 +101,7 @@ def spec_of(model: ModelFile, folder: Path) -> Any:
 
 
 def _strip_drawn(model: ModelFile, spec: Any) -> None:
-    """Remove visual parts from an editable model, and meshes from which it computes no inertia."""
+    """Remove from an editable model visual parts, and meshes from which no inertia is computed."""
     explicit = spec.compiler.inertiafromgeom != mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
     for geom in list(spec.geoms):
         needless = explicit and geom.parent.explicitinertial

@@ -38,7 +38,7 @@ class PyBox3DSession(WorldSession):
         """Return the tensor about the com, kg m², in the record's axes, (3, 3).
 
         Box3D does not report it. It is measured by three couples of impulses on the body at rest.
-        If the moments are the scene's, each couple sets it turning about one axis at 2 rad/s.
+        If the moments are the scene's, each couple makes the body turn about one axis at 2 rad/s.
         """
         body, world = self.world.body, self.world.world
         before = world.snapshot()

@@ -173,7 +173,7 @@ class PyBulletSession(Session):
         return what_acts(self.advance, self.model, self._scenario)
 
     def close(self) -> None:
-        """Give the world back for reuse, or disconnect it if interrupted or no longer finite."""
+        """Give the world back for reuse, or disconnect it after an interruption or a blow-up."""
         if not p.isConnected(self.client):
             return
         if self._is_sound and np.isfinite(self.read_state().omega_body).all():

@@ -231,7 +231,7 @@ class World:
     def turn_joint(self, turn, omega):
         """Set attitude, x y z w, and ω, rad/s, of the spherical joint that holds the body.
 
-        The attitude is that of the principal axes, along which ω is given.
+        The attitude is a rotation from the joint's zero pose. Both are along the principal axes.
         """
         p.resetJointStateMultiDof(self.body, self.link, turn, omega, physicsClientId=self.client)
 
