@@ -9,7 +9,7 @@ from .checks.read_back import State
 
 
 class Batch(ABC):
-    """Many worlds that are stepped by one call, each a scene of its own.
+    """Many independent worlds, each with its own scene, that one call steps together.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ QUATERNION, CHART = 4, 6
 
 @dataclass(frozen=True)
 class Derivative:
-    """One of an engine's own derivatives, at the state that a session is in.
+    """A derivative that an engine itself computes, at the present state of a session.
 
     Attributes
     ----------
@@ -35,9 +35,9 @@ class Derivative:
 
 
 def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
-    """Return the derivative of seven numbers, a quaternion and ω, by the chart, (7, 6).
+    """Return the derivative of a quaternion and ω, seven numbers, by the chart, (7, 6).
 
-    A turn δθ changes the quaternion by δq = q (0, δθ/2), a product of quaternions.
+    A turn δθ of the chart changes the quaternion q by δq = q (0, δθ/2), a product of quaternions.
 
     Parameters
     ----------
@@ -50,9 +50,10 @@ def numbers_by_chart(q_wxyz: FloatArray) -> FloatArray:
 
 
 def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
-    """Return the derivatives of the chart, (6, n), by n variables.
+    """Return the derivatives of the chart's six numbers by n variables, (6, n).
 
-    δθ is twice the vector part of q̄ δq. A change of the quaternion's norm alone gives δθ = 0.
+    The turn δθ is twice the vector part of q̄ δq / |q|², with q the attitude. A change of the norm
+    of q alone gives δθ = 0.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ def in_chart(q_wxyz: FloatArray, numbers: FloatArray) -> FloatArray:
 
 
 def along(R: FloatArray, derivative: FloatArray) -> FloatArray:
-    """Return a derivative in axes b, (3 n, 3 m), that is given in axes a.
+    """Return a derivative of n vectors by m vectors, (3 n, 3 m), converted from axes a to axes b.
 
     Every three rows, and every three columns, are the components of one vector.
 

@@ -100,8 +100,8 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
 def _offered(value: str, point: str) -> list[Engine | Missing]:
     """Return the engines that a module defines or finds, usable or not.
 
-    If an entry point names something else than a module with engines, one `Missing` says so. The
-    function raises whatever importing the module raises.
+    If an entry point names something else than a module with engines, the list has one `Missing`
+    that says so. Errors of importing the module are not caught.
 
     Parameters
     ----------
@@ -118,9 +118,9 @@ def _offered(value: str, point: str) -> list[Engine | Missing]:
 
 
 def _misdeclared(engine: Engine) -> str:
-    """Call `declared.misdeclared`, importing its module only here.
+    """Return why an attribute of an engine is invalid; empty if all are valid.
 
-    It is needed only if there are engines of other packages.
+    The module `declared`, needed only for engines of other packages, is imported only here.
     """
     from .declared import misdeclared
 
@@ -141,7 +141,7 @@ def _missing(name: str, error: BaseException) -> Missing:
 
 
 def _engines_in(module: ModuleType) -> Iterator[Engine | Missing]:
-    """Yield an instance of each complete subclass of `Engine` that a module defines.
+    """Yield an instance of each subclass of `Engine` without abstract methods in a module.
 
     A class that a package imports from its own modules counts, too. A `Missing` with the reason is
     yielded instead if the class is for an unsupported version of the interface, or if the engine's
@@ -171,6 +171,6 @@ def _not_installed(engine: Engine) -> Missing:
 
 
 def _discovered_by(module: ModuleType) -> Iterable[Engine | Missing]:
-    """Return the engines that a module finds by its own function `discovered`, if it has one."""
+    """Return the engines that a module's function `discovered` finds, if there is one."""
     discovered: Callable[[], Iterable[Engine | Missing]] = vars(module).get("discovered", tuple)
     return discovered()

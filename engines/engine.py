@@ -187,9 +187,9 @@ class Engine(Adapted, ABC):
         defaults: Collection[str] | None = None,
         description: Description = PLAIN,
     ) -> Session:
-        """Open a scene as `open` does, but changed by one of the keyword arguments.
+        """Open a scene as `open` does, but with one thing changed, as a keyword argument states.
 
-        In an engine that does not implement this method it raises NotImplementedError.
+        In an engine that does not implement this method, NotImplementedError is raised.
 
         Parameters
         ----------
@@ -197,14 +197,15 @@ class Engine(Adapted, ABC):
             out and that are left in here, so that their cost can be measured
         defaults : the engine's defaults that act, named as by `Engine.defaults`; None for those
             that act in the method anyway
-        description : how the body is written into the model; its features must be in `describes`
+        description : how the body is written into the engine's model; its `features` must be in
+            `describes`
         """
         raise NotImplementedError(f"{self.name} opens a scene in one way.")
 
     def script(self, scenario: Scenario, method: Method, timestep: float) -> str:  # noqa: ARG002
         """Return code that builds and steps the scene with this engine's package alone.
 
-        It is in the language `script_language`, and empty if the engine has no scripts.
+        The code is in the language `script_language`. It is empty if the engine has no scripts.
 
         The code may use names that are defined around it: `TIMESTEP`, the functions `product`,
         `conjugate` and `turned` on quaternions w x y z, and in Python `np`. It must define
@@ -234,7 +235,7 @@ class Engine(Adapted, ABC):
         body: BodyReading,
         state: State,
     ) -> list[Difference]:
-        """Return the quantities of body and start that the engine holds otherwise than the scene.
+        """Return the quantities of body and start whose values in the engine are not the scene's.
 
         Parameters
         ----------
@@ -244,7 +245,7 @@ class Engine(Adapted, ABC):
         return differences(scenario, body, state, self.slack)
 
     def applies_to(self, scenario: Scenario) -> bool:  # noqa: ARG002
-        """Whether the engine can load the scene's kind of body: stated in it, or from a file."""
+        """Whether the engine can load the scene's body, be it stated in the scene or in a file."""
         return True
 
     @final

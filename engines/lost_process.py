@@ -51,7 +51,7 @@ class Overdue(NamedTuple):
 def wait_for_answer(
     has_answered: Callable[[float], bool], process: psutil.Process, limit: float
 ) -> Overdue | None:
-    """Wait until a process has answered or ended; return why, if waiting is given up before.
+    """Wait until a process has answered or ended; return why, if waiting had to be given up.
 
     None is returned if the process has answered or ended.
 
@@ -91,8 +91,8 @@ def _idle(process: psutil.Process, limit: float, used: float) -> Overdue:
 
     Parameters
     ----------
-    limit : CPU time that its answer may take, s
-    used : CPU time that it has used, s
+    limit : CPU time that the process's answer may take, s
+    used : CPU time that the process has used for this answer so far, s
     """
     if _is_stopped(process):
         return Overdue(f"{limit:g} s: it was stopped from outside", "environment")

@@ -88,7 +88,8 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
 def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
     """Yield for each block the index of its first sample, and of the first sample after it.
 
-    `steps` are the numbers of steps from the start to each sample, increasing, (n,).
+    A block is a number of successive samples that are checked together. `steps` are the numbers of
+    steps from the start to each sample, increasing, (n,).
     """
     first = 0
     while first < len(steps):
@@ -100,7 +101,7 @@ def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
 
 
 def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]:
-    """Take the steps of a block; return its snapshots, and how it ended, as yet without states.
+    """Take the steps of a block; return its snapshots, and how it ended, without states yet.
 
     `strides` has the number of steps to take before each snapshot. If the engine stopped, there are
     fewer snapshots than strides. `OSError` and `MemoryError` are not caught.
@@ -125,7 +126,7 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]
 
 
 def _blown_up(session: Session) -> Cause:
-    """Return why the state at which an engine stopped is invalid, as a cause; empty if valid."""
+    """Return the cause by which the state that an engine stopped at is invalid; empty if valid."""
     try:
         session.check()
         state = session.read_state()

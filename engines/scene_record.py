@@ -101,7 +101,7 @@ class RecordFrame:
 
     @cached_property
     def _axes_after(self) -> FloatArray:
-        """The matrix M, (4, 4): q M is the attitude of the record's axes if q is the body's."""
+        """The matrix M, (4, 4), that takes the body's attitude q to the record axes', q M."""
         return times(self.body_from_axes.as_quat(scalar_first=True))
 
     @cached_property
@@ -110,10 +110,11 @@ class RecordFrame:
         return self.com_body - self.whole_body
 
     def motion(self, state: State) -> dict[str, list[float]]:
-        """Return a state as entries of a record: `q`, `omega`, `com`, `velocity`, any `spins`.
+        """Return a state as entries of a record: `q`, `omega`, `com`, `velocity` and `spins`.
 
-        `q` is the attitude of the record's axes, w x y z, and vectors are along world axes. Com and
-        velocity are those of the body without rotors.
+        `spins` is left out if there are no rotors. `q` is the attitude of the record's axes,
+        w x y z, and vectors are along world axes. Com and velocity are those of the body without
+        rotors.
         """
         q_world_body = np.asarray(state.q_world_body_wxyz, dtype=float)
         omega_body = np.asarray(state.omega_body, dtype=float)
@@ -134,7 +135,7 @@ class RecordFrame:
         return motion | ({"spins": _numbers(state.spins)} if state.spins.size else {})
 
     def states(self, rows: FloatArray) -> State:
-        """Return n states of the scene, given by a record's numbers: the inverse of `motion`.
+        """Return n states of the scene, given by numbers of its record: the inverse of `motion`.
 
         Parameters
         ----------
@@ -218,7 +219,7 @@ def scene_record(scenario: Scenario) -> dict[str, Any]:
 
 
 def _rotor(rotor: Rotor, frame: RecordFrame) -> dict[str, Any]:
-    """Return a rotor's entry in a record; vectors are along the record's axes, from its origin."""
+    """Return a rotor's entry in a record, in the axes of the record and from its origin."""
     to_axes = frame.body_from_axes.inv()
     axis, place = np.array(rotor.axis, dtype=float), rotor.body.com - frame.com_body
     return {

@@ -78,9 +78,9 @@ class Session(Adapted, ABC):
 
     @abstractmethod
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, read back from the engine after the run.
+        """Return what acts on the body, as a set that is read back from the engine after the run.
 
-        These are names out of `scenarios.EFFECTS`, and descriptions of anything else that is
+        It has names out of `scenarios.EFFECTS`, and descriptions of anything else that is
         switched on. A mechanism that implements an effect, such as a constraint that is the pivot,
         is reported under the effect's name.
         """
@@ -92,7 +92,7 @@ class Session(Adapted, ABC):
     def snapshot(self) -> Any:
         """Return the present state in a format of the adapter's own, which `states` converts.
 
-        It raises `EngineError` if `check` does.
+        `EngineError` is raised if `check` raises it.
         """
         self.check()
         return self.read_state()
@@ -130,8 +130,8 @@ class Session(Adapted, ABC):
     def derivatives(self) -> Mapping[str, Derivative]:
         """Return the derivatives that the engine itself computes at the present state, by name.
 
-        They are by attitude and ω. Since version 2 of the interface. The mapping is empty if the
-        engine computes none.
+        They are derivatives by attitude and ω, in the chart. The mapping is empty if the engine
+        computes none. Since version 2 of the interface.
         """
         return {}
 

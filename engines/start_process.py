@@ -95,7 +95,7 @@ def run(command: Sequence[str], limit: float, **options: Any) -> "subprocess.Com
 
 
 class _Guard:
-    """The guard of this process: a small process, started with the first process group."""
+    """The guard of this process: a small process that kills the groups this one leaves behind."""
 
     def __init__(self) -> None:
         self._groups: set[int] = set()
@@ -124,7 +124,7 @@ class _Guard:
                 self._write(self._started(), sorted(self._groups))
 
     def end(self) -> None:
-        """End the guard, which kills the process groups that have not ended."""
+        """End the guard; before it ends, it kills the process groups that have not ended."""
         if self._process is not None:
             assert self._process.stdin is not None, "it is a pipe"
             self._process.stdin.close()

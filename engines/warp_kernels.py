@@ -13,9 +13,10 @@ from .user_cache import user_cache
 
 @contextmanager
 def kernels_kept() -> Iterator[None]:
-    """Keep kernels that Warp compiles inside the block in the user's cache; discard all output.
+    """Store kernels that Warp compiles inside the block, for later processes; discard output.
 
-    Compiling takes minutes; later processes load the kernels from the cache.
+    They are stored in the user's cache, since compiling takes minutes. All output and Python
+    warnings of the block are discarded.
     """
     with silent():
         import warp
@@ -25,7 +26,7 @@ def kernels_kept() -> Iterator[None]:
 
 
 def use_warp_device(world: str, name: str) -> None:
-    """Make a stand-alone module step on a given device of Warp, in place of the CPU.
+    """Make an adapter's stand-alone module step on a given device of Warp from now on.
 
     Parameters
     ----------
@@ -46,7 +47,7 @@ def use_warp_device(world: str, name: str) -> None:
 
 
 def warp_device() -> str:
-    """Return the device that Warp steps on, as `Batch.device`: "CPU", or a GPU's name and alias."""
+    """Return the name of the device that Warp steps on: "CPU", or a GPU's name and alias."""
     warp: Any = import_module("warp")
     device = warp.get_device()
     return "CPU" if device.is_cpu else f"{device.name} ({device.alias})"

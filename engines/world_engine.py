@@ -14,7 +14,7 @@ from .world_session import WorldSession, world_script
 class WorldEngine(Engine):
     """An engine whose scenes are simulated by a stand-alone module `world.py` beside the adapter.
 
-    The engine's scripts contain that module. The engine's name is that of its distribution.
+    The engine's scripts contain that module. The engine is named as its Python distribution.
 
     Attributes
     ----------

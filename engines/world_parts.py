@@ -16,9 +16,10 @@ DRIVE = 2.0**50
 
 
 def drive(rotor: Any) -> float:
-    """Return the inertia of a hinge's drive, kg m²; 0 if the hinge is not driven.
+    """Return the armature of a rotor's hinge, kg m²: 0 if the hinge is not driven.
 
-    It is so large that the rotor's spin stays constant.
+    An armature is an inertia that resists changes of the spin. That of a driven hinge is so large
+    that the spin stays constant.
     """
     return DRIVE * float(rotor["inertia"][1]) if rotor["hinge"] == "driven" else 0.0
 
@@ -44,7 +45,10 @@ def matrix(q: Any) -> Any:
 
 
 def quaternion(R: Any) -> Any:
-    """Return the quaternion w x y z of a rotation matrix (Shepperd, J. Guidance 1 (1978) 223)."""
+    """Return the unit quaternion w x y z, (4,), of a rotation matrix, (3, 3).
+
+    The method is that of Shepperd, J. Guidance 1 (1978) 223.
+    """
     squares = (1 + np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) @ np.diag(R)) / 4
     k = int(np.argmax(squares))
     products = np.array(

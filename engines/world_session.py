@@ -65,7 +65,7 @@ class WorldSession(Session):
         self.world.restart(self.frame.motion(state), self.timestep)
 
     def damped_by(self, damping: Sequence[float]) -> dict[str, bool]:
-        """Return one entry: a name for a joint's damping, and whether any damping acts.
+        """Return a dict with one entry: a name of a joint's damping, and whether it is not zero.
 
         The name is "drag" if the damping is the scene's drag, else it states the coefficients.
 
@@ -79,7 +79,7 @@ class WorldSession(Session):
         return {name: any(damping)}
 
     def gravity_by(self, vector: FloatArray) -> dict[str, bool]:
-        """Return one entry: a name for a world's gravity, and whether it acts.
+        """Return a dict with one entry: a name of a world's gravity, and whether it is not zero.
 
         The name is "gravity" if the gravity is that of the scene, else it states the vector.
 
@@ -91,10 +91,10 @@ class WorldSession(Session):
         return {"gravity" if right else f"a gravity of {vector.tolist()} m/s²": bool(vector.any())}
 
     def pushed_by(self, torque: FloatArray) -> dict[str, bool]:
-        """Return, by name, which torques act on the body at its present attitude.
+        """Return names of torques, each with whether it acts on the body at its present attitude.
 
-        The scene's torques all act if the engine applies any torque. If this is not their sum, a
-        further name, which states it, acts as well.
+        The names are those of the scene's torques, which all count as acting if `torque` is not
+        zero. One more name states `torque`, and counts as acting if `torque` is not their sum.
 
         Parameters
         ----------
@@ -114,11 +114,11 @@ class WorldSession(Session):
         return self.states([self.snapshot()]).rows(0)
 
     def snapshot(self) -> Sequence[float]:
-        """Return the state as `q`, `omega`, `com`, `velocity` and `spins`, (13 + rotors,).
+        """Return `q`, `omega`, `com`, `velocity` and `spins` in one array, (13 + rotors,).
 
-        They are those of a scene record: `q` is the attitude of the record's axes, and vectors are
-        along world axes. `EngineError` is raised if the engine reports trouble, or if a number is
-        not finite.
+        They are entries of a scene record for the present state: `q` is the attitude of the
+        record's axes, and vectors are along world axes. `EngineError` is raised if the engine
+        reports trouble, or if a number is not finite.
         """
         self.check()
         motion: Sequence[float] = self.world.motion()
@@ -135,7 +135,7 @@ class WorldSession(Session):
         self.world.advance(steps)
 
     def check(self) -> None:
-        """Do nothing: only a state that is not finite is trouble, for which `snapshot` raises."""
+        """Do nothing: only a state that is not finite is an error, and `snapshot` raises it."""
 
     def close(self) -> None:
         """Drop the world."""
@@ -148,8 +148,8 @@ class WorldBatch(Batch):
     Parameters
     ----------
     worlds : an object of the module that holds the worlds. Its method `advance(steps)` steps all of
-        them; `motions(places)` returns motions of the worlds whose indices are in `places`, in the
-        format of `World.motion`
+        them; `motions(places)` returns a row for each world whose index is in `places`, with the
+        numbers that a session's `snapshot` has
     device : name of the device that steps the worlds: "CPU", or the name of a GPU
     """
 
@@ -161,7 +161,7 @@ class WorldBatch(Batch):
         self._worlds.advance(steps)
 
     def snapshots(self, places: Sequence[int]) -> Sequence[Any]:
-        """Return the motions of the worlds whose indices are in `places`, in that order."""
+        """Return a snapshot of each world whose index is in `places`, in that order."""
         motions: Sequence[Any] = self._worlds.motions(list(places))
         return motions
 
@@ -171,7 +171,7 @@ class WorldBatch(Batch):
 
 
 class RecordBatch(WorldBatch):
-    """A batch of scenes in the worlds of an adapter's stand-alone module.
+    """A batch of worlds that one `World` of an adapter's stand-alone module holds and steps.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ def state():
 
 
 def stand_alone(path: Path) -> str:
-    """Return a module's text without its docstring and its imports from the folders around it."""
+    """Return the text of a Python module without its docstring and its relative imports."""
     text = path.read_text(encoding="utf-8")
     docstring = ast.parse(text).body[0].end_lineno or 0
     return _RELATIVE_IMPORT.sub("", "\n".join(text.splitlines()[docstring:])).strip() + "\n"

@@ -13,7 +13,7 @@ from .read_back import READ_BACK_SLACK, State
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """Coefficients of the equations of motion of one scene, in SI units, and its constraint."""
+    """Scales of the equations of motion of one scene, and the states that its constraint allows."""
 
     scenario: Scenario
 
@@ -41,14 +41,15 @@ class Equations:
         return self.arm if self.arm > READ_BACK_SLACK * gyration else gyration
 
     def kept_body(self, state: State) -> FloatArray:
-        """Return the sum of the rotors' constant momenta about their axles, kg m²/s, body axes.
+        """Return the vector sum of the angular momenta that the rotors keep, kg m²/s, body axes.
 
-        It is a vector, (3,), for one state, and (n, 3) for n states.
+        Each rotor keeps its momentum about its axle. The sum is (3,) for one state, and (n, 3) for
+        n states.
         """
         return self.scenario.kept_body(self.scenario.kept(state.omega_body, state.spins))
 
     def bears(self, states: State) -> NDArray[np.bool_]:
-        """Return for each of n states whether the constraint can exert the force it needs, (n,).
+        """Return whether the constraint can exert the force that each of n states needs, (n,).
 
         A table, for example, can push the body but not pull it.
         """
@@ -59,7 +60,7 @@ class Equations:
         return bears
 
     def bearable(self, states: State, others: State) -> State:
-        """Return n states in which the constraint can exert the force that it needs.
+        """Return n states, with those replaced whose force the constraint cannot exert.
 
         Parameters
         ----------

@@ -20,7 +20,8 @@ class Bounds:
     ----------
     timestep : length of a step, s
     most_turn : the largest rotation in a step, rad, that the engine does not clamp
-    arm : vector from the pivot to the com, m, body axes, (3,); None if there is no pivot
+    arm : vector from the pivot to the com, m, body axes, (3,); None if there is no pivot, or if the
+        com is at the pivot
     """
 
     timestep: float
@@ -75,8 +76,8 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
 def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
     """Yield a fault for the first state in which the body's pivot has left the world's origin.
 
-    It has left if it is further from the origin than from the com. `arm_body` is the vector from
-    the pivot to the com, m, body axes, (3,).
+    The pivot has left if its distance from the origin is larger than that from the com. `arm_body`
+    is the vector from the pivot to the com, m, body axes, (3,).
     """
     drift = norms(states.com_world - matrices(states.q_world_body_wxyz) @ arm_body)
     has_given_way = drift > np.linalg.norm(arm_body)
@@ -86,5 +87,5 @@ def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
 
 
 def _first(bad: Any) -> int:
-    """Return the index of the first true entry."""
+    """Return the index of the first true entry of a boolean array, which must have one."""
     return int(np.argmax(bad))

@@ -239,7 +239,7 @@ def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) 
 def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
     """Return words that say that ω was read back along wrong axes; empty if it was not.
 
-    Its components are then those of the scene, rotated by the attitude or by its inverse.
+    Along wrong axes, components of ω are the scene's, rotated by the attitude or its inverse.
 
     Parameters
     ----------
@@ -279,9 +279,9 @@ def start_state(scenario: Scenario) -> State:
 def _pairs(
     scenario: Scenario, reading: BodyReading, state: State
 ) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
-    """Yield each quantity that is read back, except the attitude, as four values.
+    """Yield four values for each quantity that is read back, except the attitude.
 
-    They are the quantity's name, the engine's value, the scene's value, and the size that the
+    The values are the quantity's name, the engine's value, the scene's value, and the size that the
     tolerance is relative to.
     """
     body, start = scenario.body, start_state(scenario)

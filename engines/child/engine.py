@@ -88,7 +88,7 @@ class ChildEngine(Engine):
         return self._script(scenario, method) if self._script else ""
 
     def _check(self, child: ChildProcess) -> None:
-        """Raise `ProtocolError` unless a process describes itself as `hello` does."""
+        """Raise `ProtocolError` unless a process gives the same description as `hello`."""
         if child.hello is None:
             child.hello = child.ask(Hello, "hello")
         if child.hello != self.hello:

@@ -145,18 +145,18 @@ class ChildRigid(ChildAnswer):
 
 
 class ChildPart(ChildRigid):
-    """A rotor of the body, at the start.
+    """A rotor as the engine holds it at the start, in the axes of the engine's body.
 
     Attributes
     ----------
-    axis : axis of the hinge, a unit vector in the axes of the engine's body; zeros if it is locked
+    axis : axis of the hinge, a unit vector; zeros if the hinge is locked
     """
 
     axis: Vector
 
 
 class ChildBody(ChildRigid):
-    """A body without its rotors, and its rotors.
+    """A body as the engine holds it; mass, com and moments are those without the rotors.
 
     Attributes
     ----------
@@ -202,14 +202,14 @@ class Stepped(ChildAnswer):
 
 
 class Opened(ChildAnswer):
-    """The scene as the engine holds it, before the first step."""
+    """The body and the state as the engine holds them before the first step."""
 
     body: ChildBody
     state: StateRow
 
 
 class Seconds(ChildAnswer):
-    """The time that some steps took, s; the child measures it around the steps only."""
+    """The time that some steps took, s, as the child measures it around the steps alone."""
 
     seconds: Positive
 

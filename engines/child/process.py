@@ -68,7 +68,7 @@ class ChildProcess:
     Attributes
     ----------
     hello : the engine's description of itself; None until the process has been asked for it
-    is_used : whether the process was used, and given back, before
+    is_used : whether the process has been given back (`given_back`) after an earlier use
 
     Raises
     ------
@@ -125,7 +125,7 @@ class ChildProcess:
 
     @property
     def usable(self) -> bool:
-        """Whether the child may be called again."""
+        """Whether the child may be called again: no call has raised `ProtocolError` yet."""
         return self._broken is None
 
     @property
@@ -220,7 +220,7 @@ class ChildProcess:
         return self._process.poll() is None
 
     def _take(self, descriptor: int, do: str) -> None:
-        """Read from the pipe with a given descriptor, that of answers or that of printed output.
+        """Read from the pipe with a given descriptor: either that of answers or that of output.
 
         `ProtocolError` is raised at the end of the answers' pipe, or if an answer is too long; `do`
         is the name of the call.
@@ -280,7 +280,7 @@ _idle: dict[tuple[str, ...], list[ChildProcess]] = {}
 
 
 def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
-    """Return an idle process of a command that still runs, or else start a new one.
+    """Return a process of a command: an idle one that still runs, or else a new one.
 
     Parameters
     ----------

@@ -83,9 +83,9 @@ class ChildSession(Session):
         self._left += steps
 
     def timed(self, steps: int) -> tuple[float, float]:
-        """Take steps; return the time that the child measures, s, as CPU time and as wall time.
+        """Take steps; return the time that the child measures, s, twice: as CPU and as wall time.
 
-        `EngineError` is raised if it is longer than the time that has passed here.
+        `EngineError` is raised if this time is longer than the wall time of the call.
         """
         self.snapshot()
         begun = time.perf_counter()
@@ -97,10 +97,10 @@ class ChildSession(Session):
         return seconds, seconds
 
     def snapshot(self) -> list[float | None]:
-        """Take the steps that are due, and return the state as the child answers it.
+        """Take the steps that are due, and return the state that the child answers.
 
-        It is one list of the numbers `q`, `omega`, `com`, `velocity` and `spins` of a record; None
-        stands for a number that is not finite.
+        The state is one list of the numbers `q`, `omega`, `com`, `velocity` and `spins` of a
+        record; None stands for a number that is not finite.
         """
         while self._left:
             steps = min(MOST_STEPS_A_CALL, self._left)

@@ -81,7 +81,8 @@ class VersionedEngine(Engine):
 def _forwarded(name: str) -> Callable[..., Any]:
     """Return a function that calls the adapter's function of the given name.
 
-    If that uses the engine's package, the version in this process is checked first.
+    `EngineError` is raised if the adapter uses another version in this process, unless the
+    function does not use the engine's package (`WITHOUT_PACKAGE`).
     """
 
     def forward(self: VersionedEngine, *args: Any, **kwargs: Any) -> Any:
@@ -92,7 +93,7 @@ def _forwarded(name: str) -> Callable[..., Any]:
 
 
 def _shared(name: str) -> property:
-    """Return a property: the adapter's attribute `name`, which is the same in any version."""
+    """Return a property that is the adapter's attribute `name`, the same in any version."""
     return property(lambda self: getattr(engines()[self._base], name))
 
 

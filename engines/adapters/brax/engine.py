@@ -25,10 +25,10 @@ SLACK = 8 * float(np.finfo(np.float32).eps)
 
 @final
 class BraxSession(WorldSession):
-    """A session of one body in a Brax system of its own; the body's origin is at its joint."""
+    """A session of one body in a Brax system of its own, with the body's origin at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the system holds it, from the joint, in the record's axes."""
+        """Return the body as the system holds it, in the record's axes; the joint is the origin."""
         inertia = self.world.system.link.inertia
         mass, com, tensor = (
             np.asarray(one[0], dtype=float)
@@ -37,7 +37,7 @@ class BraxSession(WorldSession):
         return WorldBody(float(mass), com, tensor, None if self.world.is_free else np.zeros(3))
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as the system reports it."""
+        """Return the effects that act, and words on all else that acts, read from the system."""
         system, gravity = self.world.system, np.asarray(self.world.system.gravity, dtype=float)
         right = np.allclose(gravity, self.scenario.gravity_world, rtol=SLACK, atol=0)
         named = {
@@ -52,9 +52,9 @@ class BraxSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the Jacobians that JAX computes, "jacfwd" and "jacrev": of one step or many.
+        """Return the Jacobians of steps that JAX computes, by its modes: "jacfwd" and "jacrev".
 
-        Only methods with the pipeline `generalized` have any.
+        The mapping is empty unless the method uses the pipeline `generalized`.
         """
         if not self.world.is_generalized:
             return {}
@@ -62,7 +62,7 @@ class BraxSession(WorldSession):
         return {way: Derivative(compute, through=compute) for way, compute in ways.items()}
 
     def _derivative(self, way: str, steps: int = 1) -> FloatArray:
-        """Return the Jacobian of the next steps in the chart, (6, 6).
+        """Return the Jacobian of the next `steps` steps, in the chart, (6, 6).
 
         `way` is JAX's mode, "jacfwd" or "jacrev".
         """

@@ -41,10 +41,10 @@ _JACOBIANS = {
 
 
 def jacobian(world: Any, way: str, steps: int) -> FloatArray:
-    """Return the Jacobian of a world's next steps in the chart, (6, 6).
+    """Return the Jacobian of a world's next `steps` steps, in the chart, (6, 6).
 
-    The turns, rad, and ω, rad/s, are in the axes of the scene's record. The world itself takes no
-    step.
+    The chart's turns, rad, and ω, rad/s, are along the axes of the scene's record. The world itself
+    takes no step.
 
     Parameters
     ----------
@@ -68,10 +68,11 @@ def jacobian(world: Any, way: str, steps: int) -> FloatArray:
 
 
 def _chart_by_hinges(q: Any, qd: Any) -> FloatArray:
-    """Return the derivative of (δθ, ω), body axes, by angles and rates of three hinges, (6, 6).
+    """Return the derivative of the chart by angles and rates of three hinges, (6, 6).
 
-    With b_i, the axis of hinge i in body axes, ω = Σ b_i q_i'. A turn δq_j of a later hinge j
-    changes b_i by b_i × b_j δq_j. `q` has the angles, rad, and `qd` the rates, rad/s, (3,) each.
+    The chart is a turn δθ and ω, in body axes. If b_i is the axis of hinge i in body axes, ω is the
+    sum of b_i q_i', and a turn δq_j of a later hinge j changes b_i by b_i × b_j δq_j. `q` has the
+    angles, rad, (3,), and `qd` their rates, rad/s, (3,).
     """
     b = parts.hinged(q).T @ parts.hinge_axes(q)
     by_angles = np.zeros((3, 3))

@@ -82,9 +82,10 @@ def mjcf(scene, options):
 
 
 def angles(R):
-    """Return the angles, rad, (3,), of three hinges in series that give a rotation matrix.
+    """Return the angles, rad, (3,), of three hinges in series that together rotate by R.
 
-    The hinges turn about x, then y, then z; `hinged` inverts this function.
+    The first hinge turns about x, the next about y, the last about z. `hinged` returns R for these
+    angles.
     """
     return np.array(
         [
@@ -156,10 +157,10 @@ def begun(pipeline, structure, numbers, timestep, q, qd):
 
 @partial(jax.jit, static_argnums=0)
 def moved(structure, numbers, timestep, state, place, turning):
-    """Return a state with the bodies moved to other positions and velocities.
+    """Return a state with the bodies set to other poses and velocities.
 
-    It is needed because `init` gives a body on several hinges a wrong velocity: "fix qd->jd
-    calculation for stacked/offset joints" (brax/kinematics.py).
+    This function is needed because `init` gives a body on several hinges a wrong velocity: "fix
+    qd->jd calculation for stacked/offset joints" (brax/kinematics.py).
 
     Parameters
     ----------
@@ -215,7 +216,7 @@ class World:
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Set another motion, with the keys of the scene's record, and the timestep, s.
+        """Set another motion, a dict with `q`, `omega`, … as in a record, and the timestep, s.
 
         Nothing of earlier steps is left.
         """
@@ -280,7 +281,7 @@ def stepped_all(pipeline, systems, states, count):
 
 
 def stacked(trees):
-    """Return several trees that differ only in numbers as one; its arrays have a row for each."""
+    """Return one tree for several that differ only in numbers: each array has a row for each."""
     return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
 
 
@@ -305,7 +306,7 @@ class Worlds:
         self.states = jax.block_until_ready(ended)
 
     def motions(self, places):
-        """Return a list of the states of the worlds with indices `places`, in `motion`'s form."""
+        """Return a list of `World.motion` of each world whose index is in `places`."""
         states = jax.tree.map(np.asarray, self.states)
         return [
             self.worlds[k].motion_of(jax.tree.map(lambda leaf, k=k: leaf[k], states))

@@ -31,14 +31,14 @@ class DartSession(WorldSession):
     """A session of one body in a DART world of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as DART's body node holds it, from the joint, in the record's axes."""
+        """Return the body as DART holds it, with the joint as origin, in the record's axes."""
         inertia = self.world.body.getInertia()
         arm = None if self.world.is_free else np.zeros(3)
         mass = inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment())
         return WorldBody(*mass, arm, [_rotor(*rotor) for rotor in self.world.rotors])
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as reported by world, joint and body node."""
+        """Return the effects that act, and words on all else that acts, read from DART."""
         world, joint = self.world.world, self.world.joint
         gravity = np.array(world.getGravity()) * self.world.body.getGravityMode()
         count = joint.getNumDofs()
@@ -56,10 +56,10 @@ class DartSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return, by name, whether the joints implement each effect or have a fault.
+        """Return names of what the joints may implement, each with whether they do.
 
-        The names are "pivot", "table", "rotors", "other bodies", and words on each difference of a
-        rotor's joint from the scene.
+        The names are the effects "pivot", "table" and "rotors", then "other bodies", and words on
+        each difference of a rotor's joint from the scene. The latter are always true.
         """
         slide, rotors = self.world.slide, self.world.rotors
         count = self.world.skeleton.getNumBodyNodes()
@@ -93,7 +93,7 @@ class DartSession(WorldSession):
 
 
 def _rotor(joint: Any, node: Any) -> HeldRotor:
-    """Return a rotor at joint angle 0, in the axes and from the origin of the body that carries it.
+    """Return a rotor at joint angle 0, relative to the origin and the axes of the body it is on.
 
     Parameters
     ----------

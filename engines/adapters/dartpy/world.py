@@ -45,10 +45,10 @@ class World:
         self.restart(scene, timestep)
 
     def slid(self, scene):
-        """Return, as a tuple, the parent node of the body's joint; empty if that is the world.
+        """Return the parent node of the body's joint as a tuple of one node.
 
-        A body on a table has a parent node with next to no mass, on a slide in the table's plane:
-        both are added here.
+        The tuple is empty if the parent is the world. For a body on a table a slide in the table's
+        plane and a node on it, with next to no mass, are added; this node is the parent.
         """
         if "slides" not in scene:
             return ()
@@ -60,7 +60,7 @@ class World:
         return (node,)
 
     def add_rotor(self, rotor):
-        """Add the rotor with an entry `rotor` in the record; return its joint and its body node."""
+        """Add a rotor, given its entry in the record; return its joint and its body node."""
         kind = "Weld" if rotor["hinge"] == "locked" else "Revolute"
         joint, node = getattr(self.skeleton, f"create{kind}JointAndBodyNodePair")(self.body)
         at = dart.math.Isometry3(np.eye(3), self.lever + rotor["place"])
@@ -75,11 +75,11 @@ class World:
         return joint, node
 
     def spins(self):
-        """Return the spins of the rotors, rad/s; 0 for a locked one."""
+        """Return a list of the rotors' spins, rad/s; that of a locked rotor is 0."""
         return [joint.getVelocity(0) if joint.getNumDofs() else 0.0 for joint, _ in self.rotors]
 
     def restart(self, motion, timestep):
-        """Set another motion, with the keys of the scene's record, and the timestep, s."""
+        """Set another motion, a dict with `q`, `omega`, … as in a record, and the timestep, s."""
         self.world.setTimeStep(timestep)
         for (joint, _), spin in zip(self.rotors, motion.get("spins", ()), strict=True):
             if joint.getNumDofs():
@@ -111,7 +111,7 @@ class World:
         return np.concatenate([attitude.quaternion().wxyz(), *motion])
 
     def push(self):
-        """Apply the scene's torques to the body for the next step; DART clears them after it."""
+        """Apply the scene's torques to the body for the next step, after which DART clears them."""
         self.body.clearExternalForces()
         self.body.addExtTorque(np.array(self.scene["torque_body"]), True)
         self.body.addExtTorque(np.array(self.scene["torque_world"]), False)

@@ -10,11 +10,11 @@ from ...world_parts import matrix
 
 
 def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
-    """Return an attitude of a world, w x y z, and derivatives by its present turn and ω.
+    """Return an attitude, w x y z, (4,), and derivatives by the present state in the chart.
 
-    For a discrete plant these are the attitude after `steps` steps, and the derivatives of that
-    attitude, as a quaternion, and of ω, (7, 6). For any other plant they are the present attitude,
-    and the derivatives of dω/dt, (3, 6). Turn and ω are in the axes of the scene's record.
+    For a discrete plant the attitude is that after `steps` steps, and the derivatives are those of
+    this quaternion and of ω then, (7, 6). For any other plant the attitude is the present one, and
+    the derivatives are those of dω/dt, (3, 6). Axes are those of the scene's record.
 
     Parameters
     ----------

@@ -58,17 +58,18 @@ class DrakeSession(WorldSession):
     Raises
     ------
     EngineError
-        If the ball joint becomes singular, at a pitch of 90°; the message is Drake's.
+        From `advance`, if the ball joint becomes singular, at a pitch of 90°, or if Drake reports
+        another error; the message is Drake's.
     """
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state; a discrete plant is built anew for another timestep."""
+        """Set the body to a state; build a discrete plant anew if the timestep changes."""
         if self.world.is_discrete and timestep not in (None, self.timestep):
             self.world = self.module.World(self.scene, self.world.method, timestep)
         super().restart(state, timestep)
 
     def world_body(self) -> WorldBody:
-        """Return the body as the plant's context holds it, from the joint, in the record's axes."""
+        """Return the body as Drake holds it, with the joint as origin, in the record's axes."""
         arm = None if self.world.is_free else np.zeros(3)
         return WorldBody(
             *self._mass_of(self.world.body),
@@ -106,9 +107,9 @@ class DrakeSession(WorldSession):
             raise EngineError(f"Drake: {words}", "warning" if singular else "refused") from None
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return Drake's derivative by `AutoDiffXd`.
+        """Return the one derivative that Drake computes, by `AutoDiffXd`, under its name.
 
-        For a discrete plant it is that of steps, for any other that of dω/dt.
+        It is the Jacobian of steps for a discrete plant, and the derivative of dω/dt for any other.
         """
         if self.world.is_discrete:
             update = Derivative(self._derivative, through=self._derivative)
@@ -138,7 +139,7 @@ class DrakeSession(WorldSession):
         return along(self.frame.body_from_axes.as_matrix(), derivative)
 
     def check(self) -> None:
-        """Raise `EngineError` unless Drake counts as many steps as were to be taken."""
+        """Raise `EngineError` unless Drake has counted as many steps as were asked for."""
         simulator, taken = self.world.simulator, self.world.taken
         if self.world.is_discrete:
             count = simulator.get_num_unrestricted_updates()
@@ -148,7 +149,7 @@ class DrakeSession(WorldSession):
             raise EngineError(f"Drake took {count} steps, not {taken}", "clock")
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as reported by plant, joint and input port."""
+        """Return the effects that act, and words on all else that acts, read from the plant."""
         plant, joint = self.world.plant, self.world.joint
         slides, rotors = self.world.slides, self.world.rotors
         turns = joint.type_name() == self.module.drake.BallRpyJoint.kTypeName

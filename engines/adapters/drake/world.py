@@ -118,7 +118,7 @@ class World:
         return frame
 
     def add_rotor(self, rotor, lever):
-        """Add a rotor at its place; return its joint.
+        """Add a rotor to the body, on the joint of its kind of hinge; return the joint.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class World:
         return self.plant.AddFrame(drake.FixedOffsetFrame(name, frame, at))
 
     def restart(self, motion, timestep):
-        """Set another motion, with the keys of the scene's record, and the timestep, s.
+        """Set another motion, a dict with `q`, `omega`, … as in a record, and the timestep, s.
 
         A discrete plant must have been built with the same timestep.
         """
@@ -179,7 +179,7 @@ class World:
     def slide_to(self, motion):
         """Set the slides so that the com has the position and velocity of a motion.
 
-        `motion` has the keys of the record; its attitude and ω must have been set before.
+        `motion` is a dict with the keys of a record; no other coordinate of the plant is set.
         """
         body, context = self.body, self.context
         arm = matrix(motion["q"]) @ body.CalcCenterOfMassInBodyFrame(context)
@@ -209,9 +209,9 @@ class World:
     def advance(self, steps):
         """Take `steps` steps in one native call, up to an end time.
 
-        The end time is the sum of the timesteps, added up as Drake does. A discrete plant steps at
-        multiples of the timestep, the first at 0; its end time is between two multiples. With any
-        other end time Drake would take a tiny extra step, or one step less.
+        With an integrator, the end time is the sum of the timesteps, added up as Drake does. A
+        discrete plant steps at multiples of the timestep, the first at 0; its end time is halfway
+        between two multiples. With other end times Drake might take a tiny extra step, or one less.
         """
         self.taken += steps
         until = (self.taken - 0.5) * self.timestep

@@ -62,9 +62,9 @@ class ExudynSession(WorldSession):
     """
 
     def world_body(self) -> WorldBody:
-        """Return the body as Exudyn's object holds it, from the node, in the record's axes.
+        """Return the body as Exudyn holds it, with the node as origin, in the record's axes.
 
-        The com is the marker at which gravity acts.
+        The com is read from the marker at which gravity acts.
         """
         system, R_axes_node = self.world.system, self.world.R_axes_node
         com = R_axes_node @ system.GetMarker(self.world.com)["localPosition"]
@@ -75,9 +75,9 @@ class ExudynSession(WorldSession):
         return WorldBody(mass, com, inertia_com, arm, rotors)
 
     def _mass_of(self, body: int) -> tuple[float, FloatArray]:
-        """Return the mass, kg, and the tensor about its node, kg m², of the object numbered `body`.
+        """Return an object's mass, kg, and its tensor of inertia about its node, kg m².
 
-        The tensor is in the axes of the scene's record, (3, 3).
+        The tensor, (3, 3), is in the axes of the scene's record. `body` is the object's number.
         """
         found, R_axes_node = self.world.system.GetObject(body), self.world.R_axes_node
         xx, yy, zz, yz, xz, xy = found["inertia"]
@@ -113,7 +113,7 @@ class ExudynSession(WorldSession):
         super().restart(state, timestep)
 
     def advance(self, steps: int) -> None:
-        """Let the world take steps; check their number and length by Exudyn's own counts.
+        """Let the world take `steps` steps; compare their number and length with Exudyn's counts.
 
         Raises
         ------
@@ -145,7 +145,7 @@ class ExudynSession(WorldSession):
             raise EngineError(self._trouble, "warning")
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as found in the loads and objects of the system."""
+        """Return the effects that act, and words on all else that acts, read from the system."""
         system = self.world.system
         numbers = system.systemData
         loads = [self._of_load(system.GetLoad(k)) for k in range(numbers.NumberOfLoads())]
@@ -189,10 +189,10 @@ class ExudynSession(WorldSession):
                     yield f"rotor {number} driven to another spin than {spin:g} rad/s"
 
     def _of_constraints(self, objects: Sequence[Any]) -> set[str]:
-        """Return which effect the constraints on the node's coordinates implement, as a set.
+        """Return the effect that the constraints on the node's position implement, as a set.
 
-        It is {"pivot"}, {"table"}, or empty if no coordinate is constrained. If they implement
-        neither effect, the set has a description of them.
+        The set is {"pivot"} or {"table"}, or empty if no coordinate is constrained. If the
+        constraints are those of neither effect, it has a description of them.
 
         Parameters
         ----------
@@ -210,9 +210,9 @@ class ExudynSession(WorldSession):
         return kinds.get((*constrained,), {f"other constrained coordinates: {constrained}"})
 
     def _of_load(self, found: Any) -> str:
-        """Return the name of the effect that a load implements.
+        """Return the name of the effect that a load implements, or else a description of the load.
 
-        If its vector is not that of the scene's effect, a description of the load is returned.
+        A load implements an effect if it is of the right kind and its vector is the scene's.
         """
         vector, scene, system = np.array(found["loadVector"]), self.scene, self.world.system
         if found["loadType"] == "ForceVector":
@@ -233,7 +233,7 @@ class ExudynSession(WorldSession):
         return name if is_damper and not np.any(found["stiffness"]) else "a spring or damper"
 
     def close(self) -> None:
-        """Drop the system."""
+        """Finalize the solver, and remove the system."""
         self.world.close()
 
 

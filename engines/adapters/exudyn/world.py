@@ -43,9 +43,9 @@ Rotor = namedtuple("Rotor", "node body joint drive place axis")
 
 
 def settings(solver):
-    """Return Exudyn's settings for the solver of a given name.
+    """Return Exudyn's `SimulationSettings` for the solver of a given name.
 
-    Only the solver as shipped may halve steps.
+    Only the solver as shipped is left free to halve steps that fail to converge.
     """
     own = OF_TRAPEZOIDAL_RULE if solver == "TrapezoidalIndex2" else {}
     steady = {} if solver == AS_SHIPPED else {"adaptiveStep": False}
@@ -87,17 +87,17 @@ class World:
         self.restart(scene, timestep)
 
     def face(self, R_world_axes):
-        """Choose the node's axes for an attitude at the start; rebuild the system if they change.
+        """Choose the axes of the body's node by the attitude; rebuild the system if they change.
 
         Exudyn composes rotation vectors with an arc cosine, which loses half the digits of a small
         vector: in a run that started along the world's axes, rotations of less than 1.5e-8 rad a
         step were lost. So the node's axes are the body's axes in the cyclic order that is turned
-        furthest from the world's axes at the start. Errors with joints depend on this choice, so
-        that a restart must make it anew.
+        furthest from the world's axes at the start. The errors of joints depend on these axes, so
+        every restart chooses them anew, as a first start does.
 
         Parameters
         ----------
-        R_world_axes : the attitude of the record's axes, (3, 3)
+        R_world_axes : the attitude of the record's axes at the start, (3, 3)
         """
         starts = [np.trace(R_world_axes @ turned) for turned in TURNED]
         best = TURNED[int(np.argmin(np.abs(starts)))]
@@ -112,12 +112,12 @@ class World:
         self.system.Assemble()
 
     def close(self):
-        """Drop the system."""
+        """Finalize the solver, and remove the system."""
         self.solver.FinalizeSolver(self.system, self.settings)
         self.container.Reset()
 
     def assemble(self, scene):
-        """Add the body to the system, with its constraints, loads, damper and rotors."""
+        """Add the record's body to the system, with constraints, loads, damper and rotors."""
         system, R = self.system, self.R_axes_node
         lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the node to the com
         about_node = scene["mass"] * (lever @ lever * np.eye(3) - np.outer(lever, lever))
@@ -170,7 +170,7 @@ class World:
         return node, body, marker
 
     def add_rotor(self, rotor, lever):
-        """Add a rotor on its hinge, with a drive if it is driven; return its `Rotor`.
+        """Add a rotor on its hinge, with a drive if the hinge is driven; return its `Rotor`.
 
         Parameters
         ----------
@@ -199,7 +199,7 @@ class World:
         return Rotor(node, body, joint, drive, np.array(rotor["place"]), axis)
 
     def drive(self, rotor, place, axis):
-        """Constrain a rotor's spin; return the number of the constraint's object.
+        """Add the constraint that keeps a rotor's spin; return the number of its object.
 
         Parameters
         ----------
@@ -272,8 +272,9 @@ class World:
     def terms(self, body, turning, place, omega):
         """Return the size of the terms that the body or a rotor adds to the solver's residual.
 
-        It is the sum of a torque, N m, and a force, N. The torque is I ω², the size of the terms
-        of ω x I ω, which cancel in a turn about a principal axis.
+        The tolerance of Newton's iteration grows with this size, a torque, N m, plus a force, N.
+        The torque is the largest moment times ω², the size of the terms of ω × I ω. The force is
+        the mass times the sum of g and the com's centripetal acceleration.
 
         Parameters
         ----------
@@ -306,7 +307,7 @@ class World:
             self.system.SetNodeParameter(node, name, coordinates)
 
     def spins(self, omega, R_world_axes):
-        """Return the rotors' angular velocities about their axes, relative to the body, rad/s.
+        """Return a list of the rotors' spins, rad/s.
 
         Parameters
         ----------
@@ -338,12 +339,13 @@ class World:
         )
 
     def advance(self, steps):
-        """Take steps in one native loop; Exudyn's clock starts at 0 in each call and adds up steps.
+        """Take `steps` steps in one native loop, up to an end time.
 
-        The end time is added up in the same way, since rounding of the product steps · timestep
-        might leave a fraction of a step. It is then set half a step earlier, except as shipped,
-        where steps may be halved. Exudyn does not shorten the last step; without this margin it
-        took one step too many in a run to 1e6 s, as if the end time had not been reached.
+        Exudyn's clock starts at 0 in each call, and timesteps are added to it. The end time is
+        added up in the same way, since the rounded product steps · timestep might leave a fraction
+        of a step. For a method that is not as shipped, it is then set half a step earlier: without
+        this margin Exudyn took one step too many in a run to 1e6 s. Exudyn does not shorten the
+        last step. As shipped, steps may be halved, and there is no such margin.
 
         Raises
         ------

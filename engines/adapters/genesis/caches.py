@@ -14,9 +14,9 @@ FOLDERS = {"GS_CACHE_FILE_PATH": "genesis", "QD_OFFLINE_CACHE_FILE_PATH": "quadr
 
 @contextmanager
 def kernels_kept() -> Iterator[None]:
-    """Keep kernels that Genesis compiles inside the block in the user's cache; discard all output.
+    """Store kernels that Genesis compiles inside the block, for later processes; discard output.
 
-    Later processes load the kernels from the cache.
+    They are stored in the user's cache. All output and Python warnings of the block are discarded.
     """
     for variable, name in FOLDERS.items():
         os.environ.setdefault(variable, str(user_cache() / name))

@@ -39,7 +39,7 @@ class GenesisSession(WorldSession):
     """A session of one body in a Genesis scene of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, from the joint, in the record's axes."""
+        """Return the body as the solver holds it, in the record's axes; the joint is the origin."""
         links = self.world.solver.dyn_info.links
         mass, com, tensor, q = (
             getattr(links, f"inertial_{name}").to_numpy()[-1].astype(float)
@@ -51,7 +51,7 @@ class GenesisSession(WorldSession):
         )
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as the solver reports it."""
+        """Return the effects that act, and words on all else that acts, read from the solver."""
         world, solver = self.world, self.world.solver
         motion = world.motion()
         gravity = solver.get_gravity().numpy().astype(float).ravel()
@@ -92,7 +92,7 @@ class GenesisSession(WorldSession):
 
 @final
 class GenesisBatch(RecordBatch):
-    """A batch whose worlds are those of one Genesis scene."""
+    """A batch whose worlds are the parallel environments of one Genesis scene."""
 
     def advance(self, steps: int) -> None:
         """Take steps; raise `EngineError` if a state of any world is no longer finite."""

@@ -42,7 +42,7 @@ class GenesisModelReader(ModelReader):
         return version("genesis-world")
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Build a Genesis scene from a file; return its bodies, by the names of their links."""
+        """Return the bodies of a Genesis scene that is built from a file, by their links' names."""
         with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             gs: Any = import_module(f"{__package__}.world").gs
             path = laid_out(model, Path(folder))

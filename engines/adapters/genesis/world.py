@@ -56,8 +56,8 @@ class World:
     scene : the scene's record
     method : name of the method
     timestep : length of the steps, s
-    others : records of more scenes, each a further world; gravity, drag and torques of all worlds
-        are those of `scene`
+    others : records of more scenes, each simulated in a further world of the Genesis scene;
+        gravity, drag and torques of all worlds are those of `scene`
     """
 
     def __init__(self, scene, method, timestep, others=()):
@@ -102,7 +102,8 @@ class World:
 
         Parameters
         ----------
-        motion : a motion with the keys of the scene's record, or a list with one for each world
+        motion : a dict with `q`, `omega`, … as in a record; if there are several worlds, a list of
+            such dicts, one for each world
         timestep : length of the steps from now on, s
         """
         self.there.reset()
@@ -110,7 +111,7 @@ class World:
         self.start(motion if isinstance(motion, list) else [motion])
 
     def start(self, motions):
-        """Set the motion of each world, given a list with one motion for each."""
+        """Set the motion of each world; `motions` has one for each, with the keys of a record."""
         pairs = [self.coordinates(motion) for motion in motions]
         with np.errstate(over="ignore"):
             q, qd = (np.array(part, np.float32) for part in zip(*pairs, strict=True))
@@ -118,7 +119,7 @@ class World:
         self.solver.set_dofs_velocity(qd)
 
     def coordinates(self, motion):
-        """Return the coordinates and the velocities of the body's joint, as two lists.
+        """Return coordinates and velocities of the body's joint in a motion, as two lists.
 
         The coordinates of a free joint are com, m, and attitude, w x y z. Its velocities are that
         of the com, m/s, world axes, and ω, rad/s, body axes. A ball joint has only attitude and ω.
@@ -136,7 +137,7 @@ class World:
         return motion
 
     def motions(self, worlds):
-        """Return a list of the states of the worlds with given indices, each in `motion`'s form."""
+        """Return a list of the states of the worlds with given indices, each as from `motion`."""
         q, qd = (
             numbers.numpy().astype(float)
             for numbers in (self.solver.get_qpos(), self.solver.get_dofs_velocity())
@@ -144,13 +145,13 @@ class World:
         return [self.motion_of(self.scenes[k], q[k], qd[k]) for k in worlds]
 
     def motion_of(self, scene, q, qd):
-        """Return the state of one world as an array, (13,), with the numbers of `motion`.
+        """Return the state of one world as an array, (13,), in the order and units of `motion`.
 
         Parameters
         ----------
         scene : the record of the world's scene
-        q : coordinates of the body's joint
-        qd : velocities of the joint
+        q : coordinates of the body's joint, as in `coordinates`
+        qd : velocities of this joint, as in `coordinates`
         """
         R = matrix(q[-4:])
         omega = R @ qd[-3:]

@@ -61,7 +61,7 @@ class MJX(Engine):
     def _text(self, scenario: Scenario, method: Method) -> str:
         """Return the MJCF of a scene for a method.
 
-        It raises `UnsupportedError` if the body is too small for MuJoCo.
+        `UnsupportedError` is raised if a mass or moment of the scene is too small for MuJoCo.
         """
         check_not_too_small(scenario)
         integrator = None if method.as_shipped else method.name

@@ -14,8 +14,8 @@ from .world import in_precision, one_step
 def _compiled(trees: Any, way: str) -> Any:
     """Return a compiled function that returns the Jacobian of some steps, and the state after them.
 
-    Its arguments are the number of steps, the state before them, and the lists of arrays of MJX's
-    model and of its data. A state is qpos and qvel in one array.
+    The arguments of that function are the number of steps, the state before them, the arrays of
+    MJX's model and the arrays of its data. A state is qpos and qvel in one array.
 
     Parameters
     ----------
@@ -38,10 +38,10 @@ def _compiled(trees: Any, way: str) -> Any:
 
 
 def jacobian(world: Any, way: str, steps: int) -> tuple[Any, Any]:
-    """Return the state after the next steps of a world, (n,), and its Jacobian, (n, n).
+    """Return the state after the next `steps` steps of a world, (n,), and its Jacobian, (n, n).
 
-    A state is qpos and qvel in one array; the Jacobian is by the present state. The world itself
-    takes no step.
+    A state is qpos and qvel in one array. The Jacobian is the derivative of the returned state by
+    the present one. The world itself takes no step.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ world = World(*in_mjx(nameless(MJCF).compile()), TIMESTEP, qpos={{qpos}}, qvel={
 
 
 def script(scenario: Scenario, integrator: str | None, timestep: float, is_double: bool) -> str:
-    """Return Python code that builds and steps a scene's model.
+    """Return a Python script that builds and steps a scene's model in MJX.
 
     Parameters
     ----------

@@ -35,19 +35,22 @@ class MJXSession(PortSession):
         super().__init__(scenario, model, world, SPRINGS)
 
     def record(self, strides: Sequence[int], keep: Callable[[FloatArray], object]) -> None:
-        """Take steps and pass on snapshots (`Session.record`), many in one call of MJX's loop."""
+        """Take steps, and pass a snapshot after each stride to `keep`.
+
+        One call of the compiled loop takes up to `SAMPLES_A_CALL` strides.
+        """
         most = _module().SAMPLES_A_CALL
         for first in range(0, len(strides), most):
             for row in self._world.run(strides[first : first + most]):
                 keep(row)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the Jacobians that JAX computes, "jacfwd" and "jacrev": of one step or many."""
+        """Return the Jacobians of steps that JAX computes, by its modes: "jacfwd" and "jacrev"."""
         ways = {way: partial(self._derivative, way) for way in ("jacfwd", "jacrev")}
         return {way: Derivative(compute, through=compute) for way, compute in ways.items()}
 
     def _derivative(self, way: str, steps: int = 1) -> FloatArray:
-        """Return the Jacobian of the next steps in the chart, (6, 6).
+        """Return the Jacobian of the next `steps` steps, in the chart, (6, 6).
 
         `way` is JAX's mode, "jacfwd" or "jacrev".
         """
@@ -65,11 +68,11 @@ class MJXSession(PortSession):
 def batch(
     scenarios: Sequence[Scenario], texts: Mapping[Scenario, str], timestep: float, is_double: bool
 ) -> Batch:
-    """Open a batch with a world for each scene.
+    """Open a batch with a world for each scene, stepped by `jax.vmap`.
 
     Parameters
     ----------
-    texts : MJCF of each different scene
+    texts : the MJCF of each scene; equal scenes share an entry
     timestep : length of the steps, s
     is_double : whether MJX computes in double precision; else in single
     """
@@ -80,7 +83,7 @@ def batch(
 
 @lru_cache(maxsize=MODELS)
 def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
-    """Return MJX's model of an MJCF, and data at rest.
+    """Return MJX's model of an MJCF, and MJX's data with default coordinates and zero velocities.
 
     They are cached, because MJX takes a tenth of a second to make them.
     """
@@ -92,9 +95,9 @@ def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
 
 @cache
 def _module() -> Any:
-    """Return the adapter's stand-alone module, with JAX set to store what it compiles.
+    """Return the adapter's stand-alone module, `world.py`.
 
-    It is stored in the user's cache.
+    JAX is set to store compiled code in the user's cache.
     """
     module: Any = import_module(f"{__package__}.world")
     module.jax.config.update("jax_compilation_cache_dir", str(user_cache() / "jax"))

@@ -32,7 +32,7 @@ def in_precision(is_double):
 def nameless(text):
     """Return an MJCF as an editable model without its name and its first keyframe.
 
-    Models that differ in these alone would make JAX compile its loop for each.
+    JAX would compile its loop anew for models that differ only in one of these.
     """
     spec = mujoco.MjSpec.from_string(text)
     spec.modelname = ""
@@ -41,12 +41,12 @@ def nameless(text):
 
 
 def in_mjx(compiled):
-    """Convert a model that MuJoCo compiled; return MJX's model, and data at rest, in numpy arrays.
+    """Convert a compiled model of MuJoCo; return MJX's model and data, with arrays of numpy.
 
-    The arrays are numpy's because the compiled loop accepts none of JAX's weak types, and so that
-    they can be read like MuJoCo's own. The marks of aligned bodies (`MARKS`), by which MuJoCo's C
-    code saves work, are set to zero: MJX's steps do not read them, but JAX would compile the loop
-    anew for each of their values.
+    The data have default coordinates and zero velocities. Arrays are numpy's because the compiled
+    loop accepts none of JAX's weak types, and so that they can be read like MuJoCo's. The marks of
+    aligned bodies (`MARKS`), by which MuJoCo's C code saves work, are set to zero: MJX's steps do
+    not read them, but JAX would compile the loop anew for each of their values.
     """
     model = mjx.put_model(compiled)
     model = model.replace(**{name: np.zeros_like(getattr(model, name)) for name in MARKS})
@@ -54,17 +54,17 @@ def in_mjx(compiled):
 
 
 def kinds(arrays):
-    """Return shape and type of each array, in a form that can be a key of a cache."""
+    """Return a pair of shape and type for each array, in a tuple that can be a key of a cache."""
     return tuple((array.shape, str(array.dtype)) for array in arrays)
 
 
 @cache
 def loop(trees, still, moving):
-    """Return a compiled loop of steps that serves all models of one structure.
+    """Return a compiled loop of steps, which all models of one structure can use.
 
-    The loop takes the arrays of a model, the arrays of its data, the numbers of steps before each
-    sample, padded to `SAMPLES_A_CALL`, and the number of samples. It returns the arrays of the data
-    at the end, and qpos and qvel at each sample, one a row.
+    The loop takes the arrays of a model, the arrays of its data, an array with the number of steps
+    before each sample, padded to `SAMPLES_A_CALL`, and the number of samples. It returns the arrays
+    of the data at the end, and an array with qpos and then qvel of a sample in each row.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class World:
 
     Parameters
     ----------
-    model, data : from `in_mjx`
+    model, data : MJX's model, and its data at rest, as `in_mjx` returns them
     timestep : length of the steps, s
     qpos : coordinates at the start, (nq,)
     qvel : velocities at the start, (nv,)
@@ -139,9 +139,9 @@ class World:
             self.moving[at] = np.asarray(numbers, dtype=self.precision)
 
     def run(self, strides):
-        """Take steps; return qpos and qvel at each sample, a sample in each row, (n, nq + nv).
+        """Take steps; return qpos and then qvel of each of n samples in a row, (n, nq + nv).
 
-        `strides` has the number of steps before each of n samples, at most `SAMPLES_A_CALL`.
+        `strides` has the number of steps before each sample; n is at most `SAMPLES_A_CALL`.
         """
         padded = np.zeros(SAMPLES_A_CALL, dtype=np.int32)
         padded[: len(strides)] = strides
@@ -155,26 +155,26 @@ class World:
         self.run([steps])
 
     def motions(self, places):
-        """Return qpos and qvel of this world, as one row for each index in `places`.
+        """Return an array with qpos and then qvel of this world in each row, (n, nq + nv).
 
-        All indices must be 0, since there is one world.
+        `places` has n indices of worlds, which all must be 0, since there is one world.
         """
         at = self.moving_at.qpos, self.moving_at.qvel
         return np.concatenate([self.moving[one] for one in at])[None][places]
 
     def data(self):
-        """Return MJX's data at the present state, with arrays of numpy."""
+        """Return MJX's data after the last step, with arrays of numpy."""
         return jax.tree.unflatten(self.trees[1], [np.asarray(array) for array in self.moving])
 
 
 class Worlds:
     """Worlds that one compiled loop steps together, by `jax.vmap`.
 
-    Arrays in which the models differ get a further axis, over the worlds.
+    The arrays in which the models differ have the worlds along their first axis.
 
     Parameters
     ----------
-    models : models and their data, pairs from `in_mjx`
+    models : pairs of a model and its data, as `in_mjx` returns them
     worlds : index, in `models`, of the model of each world
     timestep : length of the steps, s
     qpos : coordinates at the start, (worlds, nq)
@@ -227,6 +227,9 @@ class Worlds:
         self.moving = jax.block_until_ready(self.loop(self.still, self.moving, np.int32(steps)))
 
     def motions(self, places):
-        """Return qpos and qvel, a row for each world whose index is in `places`."""
+        """Return an array with qpos and then qvel of one world in each row, (n, nq + nv).
+
+        `places` has the indices of the n worlds.
+        """
         data = jax.tree.unflatten(self.data_tree, self.moving)
         return np.concatenate([data.qpos, data.qvel], axis=1)[places]

@@ -72,7 +72,7 @@ CALLBACKS = ("act_bias", "act_dyn", "act_gain", "contactfilter", "control", "pas
 def acting(model: Any, data: Any, scenario: Scenario) -> frozenset[str]:
     """Return names of the effects that act, and descriptions of anything else that is switched on.
 
-    There is also a description of each effect whose strength is not that of the scene.
+    An effect whose strength is not the scene's is both named and described.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def _turning(model: Any) -> slice:
 def _own(bodies: NDArray[np.integer]) -> int:
     """Return how many joints, or velocities, of a model belong to its first body.
 
-    They come before those of other bodies.
+    In MuJoCo's arrays these come before those of other bodies.
 
     Parameters
     ----------
@@ -256,9 +256,10 @@ def _same(got: FloatArray, wanted: FloatArray) -> bool:
 
 
 def _rests(model: Any, scenario: Scenario) -> bool:
-    """Whether the model is a free body with a sphere on a plane that are the scene's table.
+    """Whether the body is free and has a sphere on a plane, as the scene's table demands.
 
-    The contact must be frictionless, and radius, place and height must be those of the scene.
+    The contact must be frictionless. The sphere's radius and place, and the plane's height, must be
+    those of the scene.
     """
     table = scenario.effects.table
     if table is None:

@@ -115,12 +115,12 @@ class CoordinateSession(Session):
         return self.states([self.snapshot()]).rows(0)
 
     def states_at(self, qpos: FloatArray, qvel: FloatArray) -> State:
-        """Return n states, given their coordinates and velocities.
+        """Return n states, as one `State` with n rows, given their coordinates and velocities.
 
         The first coordinates are the place of a point of the body: the origin of a free body, or
-        the point that slides move. A ball joint without slides has none, as its point stands still.
-        The com is at the point plus R times the vector a from the point to the com; its velocity is
-        that of the point plus R (ω × a).
+        the point that slides move. On a ball joint without slides this point is fixed, and has no
+        coordinates. With R the attitude, and a the vector from the point to the com, body axes, the
+        com is at the point plus R a; its velocity is that of the point plus R (ω × a).
 
         Parameters
         ----------
@@ -143,9 +143,9 @@ class CoordinateSession(Session):
         return State(q_world_body_wxyz, omega_body, com_world, velocity_world, spins)
 
     def coordinates(self, state: State) -> tuple[FloatArray, FloatArray]:
-        """Return the coordinates, (nq,), and velocities, (nv,), of a state: `states_at` inverted.
+        """Return the coordinates qpos, (nq,), and the velocities qvel, (nv,), of one state.
 
-        The angles of rotors are 0.
+        The angles of rotors are set to 0. `states_at` does the reverse.
         """
         q_world_body_wxyz, omega_body = state.q_world_body_wxyz, state.omega_body
         spins, moving = state.spins[self._is_turning], self._moving

@@ -162,9 +162,10 @@ class MuJoCo(Engine):
         """Open a scene with passes left in, or with another description of the body.
 
         `Engine.open_with` describes the parameters; `defaults` is ignored. `left_in` is ignored for
-        a method as shipped, which leaves in all passes, and for a compensated description. Flags
-        are set after compiling, because older versions refuse some of them in MJCF. The errors are
-        those of `open`.
+        a method as shipped, which leaves in all passes. It is also ignored if the description has
+        compensated gravity, which needs the passes of gravity, springs and dampers. Flags are set
+        after compiling, because older versions refuse some of them in MJCF. The errors are those of
+        `open`.
         """
         check_not_too_small(scenario)
         integrator, off = _integrator(method), _switched_off(scenario, method)
@@ -196,11 +197,11 @@ class MuJoCo(Engine):
         return run_script(world, made, _STATE, "mujoco.mj_step(model, data, count)")
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Return the names of the passes that a method switches off, and the name of the clock.
+        """Return the names of the passes that a method switches off, and `CLOCK`.
 
-        There are none for a method as shipped. The clock is named only if MuJoCo's package installs
-        one. In a method with a contact the passes `OF_CONTACTS` are not named, because switching
-        them off changes the motion.
+        `CLOCK`, the clock that MuJoCo reads in every step, is named only if MuJoCo's package
+        installs one. The tuple is empty for a method as shipped. In a method with a contact the
+        passes `OF_CONTACTS` are not named, because switching them off changes the motion.
         """
         if method.as_shipped:
             return ()
@@ -249,7 +250,7 @@ def _tied(method: Method) -> float:
 
 
 def _alone(scenario: Scenario, method: Method) -> Scenario:
-    """Return the scene as far as joints implement it: without its table if that is a contact."""
+    """Return the scene without its table if the method has a contact for it, else the scene."""
     return off_its_table(scenario) if _is_by_contact(method) else scenario
 
 
@@ -275,9 +276,9 @@ def _model(scenario: Scenario, method: Method, description: Description) -> Any:
 
 
 def _of_urdf(scenario: Scenario, description: Description) -> Any:
-    """Return the compiled model of a scene's URDF, with what URDF cannot state.
+    """Return the compiled model of a scene's URDF, with additions that URDF cannot state.
 
-    This is the free joint of a free body, and the armatures of rotors, which drive them.
+    The additions are the free joint of a free body, and the armatures of driven rotors.
     """
     spec = spec_of_urdf(urdf(scenario, READER_ROUNDOFF, description=description))
     if scenario.constraint.is_free:

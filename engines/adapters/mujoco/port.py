@@ -67,7 +67,7 @@ class PortSession(CoordinateSession):
         """Do nothing: MuJoCo's ports neither warn nor reset the state."""
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as found in the port's model and data.
+        """Return the effects that act, and words on all else that acts, read from the port.
 
         Passes that the port cannot switch off are left out: they do nothing in a scene that does
         not need them.

@@ -82,14 +82,17 @@ class MuJoCoSession(CoordinateSession):
         self._warnings.clear()
 
     def advance(self, steps: int) -> None:
-        """Take steps in one native loop; MuJoCo's warnings are kept for `check` and `snapshot`."""
+        """Take `steps` steps in one native loop; store warnings, for which `check` then raises."""
         with self._stepping():
             # Passing `steps` by keyword would take a fifth of the time of a step longer.
             mujoco.mj_step(self.model, self.data, steps)
         self._steps += steps
 
     def record(self, strides: Sequence[int], keep: Callable[[Snapshot], object]) -> None:
-        """Take steps and pass on snapshots; warnings are redirected once for all of them."""
+        """Take steps, and pass a snapshot after each stride to `keep`.
+
+        MuJoCo's warnings are redirected once for all strides, and not again for each.
+        """
         step, model, data = mujoco.mj_step, self.model, self.data
         with self._stepping():
             for steps in strides:
@@ -100,9 +103,10 @@ class MuJoCoSession(CoordinateSession):
 
     @contextmanager
     def _stepping(self) -> Iterator[None]:
-        """Set or remove the clock, and collect MuJoCo's warnings inside the block.
+        """Collect MuJoCo's warnings inside the block, in which MuJoCo may take steps.
 
-        A fatal error of MuJoCo is raised as `EngineError`.
+        Before it, MuJoCo is given this session's clock, or none. A fatal error of MuJoCo is raised
+        as `EngineError`.
         """
         clock.hang(self._clock)
         try:
@@ -132,7 +136,7 @@ class MuJoCoSession(CoordinateSession):
     def states(self, snapshots: Sequence[Snapshot]) -> State:
         """Return the states of n snapshots, computed from qpos and qvel alone.
 
-        MuJoCo's derived data (xipos, cvel) are those of the step before.
+        MuJoCo's derived data (xipos, cvel) are not read: they are those of the step before.
         """
         _, qpos, qvel = np.split(_rows(snapshots), [2, 2 + self.model.nq], axis=1)
         return self.states_at(qpos, qvel)
@@ -161,7 +165,7 @@ class MuJoCoSession(CoordinateSession):
         return Fault(first, "clock", reason)
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as found in model, data and callbacks of the process.
+        """Return the effects that act, and words on all else that acts, read from MuJoCo.
 
         "clock" is included if MuJoCo reads a clock while it steps.
         """
@@ -170,18 +174,22 @@ class MuJoCoSession(CoordinateSession):
         return names_acting | {clock.CLOCK} if clock.is_hung() else names_acting
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return derivatives of a step, computed by `mjd_transitionFD` with finite differences."""
+        """Return the Jacobians of a step by `mjd_transitionFD`, with two kinds of differences.
+
+        These are forward and centred; the mapping's keys name them.
+        """
         return {
             f"mjd_transitionFD, {way}": Derivative(partial(self._transition, centred), EPSILON)
             for way, centred in {"forward": False, "centred": True}.items()
         }
 
     def _transition(self, centred: bool) -> FloatArray:
-        """Return the derivative of a step in the chart, (6, 6).
+        """Return the Jacobian of the next step, in the chart, (6, 6).
 
-        It consists of rows and columns of MuJoCo's matrix A, in which a turn in body axes stands
-        for the quaternion. `centred` says whether differences are centred or forward.
-        `UnsupportedError` is raised if MuJoCo refuses, or if the body is on hinges.
+        It consists of rows and columns of MuJoCo's matrix A, in which the attitude's derivatives
+        are by a turn in body axes, as in the chart. `centred` says whether differences are centred;
+        else they are forward. `UnsupportedError` is raised if MuJoCo refuses, or if the body is on
+        hinges.
         """
         nv = self.model.nv
         A = np.zeros((2 * nv, 2 * nv))
@@ -254,7 +262,7 @@ def compiled(build: Callable[[], Any]) -> Any:
 def _hearing(messages: list[str]) -> Iterator[None]:
     """Append to `messages` the warnings that MuJoCo gives inside the block.
 
-    Otherwise MuJoCo would write them to the terminal and to MUJOCO_LOG.TXT.
+    Without this, MuJoCo would write them to the terminal and to MUJOCO_LOG.TXT.
     """
     previous = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(messages.append)

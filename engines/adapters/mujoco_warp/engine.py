@@ -58,7 +58,7 @@ class MuJoCoWarp(Engine):
         return PortSession(scenario, world.model, world, ALWAYS_ON)
 
     def use_device(self, name: str) -> None:
-        """Make the device of Warp with a given name step all scenes from now on."""
+        """Make the device with Warp's name `name` step all scenes that are opened from now on."""
         use_warp_device(f"{__package__}.world", name)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:

@@ -12,9 +12,10 @@ wp.set_device("cpu")
 
 
 class FirstWorld:
-    """A view of the first world's model or data, with MuJoCo's field names and arrays of numpy.
+    """A view of MuJoCo Warp's model or data that looks like MuJoCo's, with arrays of numpy.
 
-    Fields that MuJoCo Warp does not have are read from MuJoCo's own model or data.
+    Of arrays with a row for each world, the view has the first world's row. A field that MuJoCo
+    Warp does not have is read from MuJoCo's own object.
 
     Parameters
     ----------
@@ -39,8 +40,8 @@ class FirstWorld:
 def in_warp(compiled, worlds):
     """Return MuJoCo Warp's model for several worlds.
 
-    A field that may differ between worlds, such as a mass, is an array with a row for each world if
-    the models differ in it. All other fields are those of the first model.
+    A field that may differ between worlds in MuJoCo Warp, such as a mass, has a row for each world
+    if the compiled models differ in it. All other fields are those of the first compiled model.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ def in_warp(compiled, worlds):
 
 
 def arrays_of(data):
-    """Yield the arrays of MuJoCo Warp's data, including those of dataclasses in it."""
+    """Yield the non-empty arrays in MuJoCo Warp's data, also those in dataclasses that it holds."""
     for field in fields(data):
         value = getattr(data, field.name)
         if is_dataclass(value):
@@ -109,13 +110,16 @@ class World:
             self.there.qvel.assign(np.atleast_2d(qvel).astype(np.float32))
 
     def advance(self, steps):
-        """Take `steps` steps by replaying the recorded step, a hundred times as fast as calls."""
+        """Take `steps` steps by replaying a recorded one, a hundred times as fast as `mjw.step`."""
         for _ in range(steps):
             wp.capture_launch(self.graph)
         wp.synchronize_device()  # waits until a GPU has taken the steps
 
     def motions(self, places):
-        """Return qpos and qvel, a row for each world whose index is in `places`."""
+        """Return an array with qpos and then qvel of one world in each row, (n, nq + nv).
+
+        `places` has the indices of the n worlds.
+        """
         return np.concatenate([self.there.qpos.numpy(), self.there.qvel.numpy()], axis=1)[places]
 
     def data(self):

@@ -53,7 +53,7 @@ class NewtonSession(WorldSession):
     """A session of one body in a Newton model of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, from the joint, in the record's axes."""
+        """Return the body as the solver holds it, in the record's axes; the joint is the origin."""
         arm = None if self.scene["arm"] is None else np.zeros(3)
         first, *others = self._bodies()
         rotors = zip(others, self.world.model.joint_type.numpy()[1:], strict=True)
@@ -76,7 +76,7 @@ class NewtonSession(WorldSession):
         ]
 
     def _rotor(self, number: int, body: Any, kind: int) -> HeldRotor:
-        """Return a rotor in the body's axes, which are also the rotor's at joint angle 0.
+        """Return a rotor at joint angle 0, where its axes coincide with those of the body.
 
         Parameters
         ----------
@@ -94,11 +94,11 @@ class NewtonSession(WorldSession):
         return HeldRotor(mass, place, tensor, axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the derivative of one step or many, computed by Warp's tape."""
+        """Return the Jacobian of steps that Warp's tape computes, under the name "Warp's tape"."""
         return {"Warp's tape": Derivative(self._taped, through=self._taped)}
 
     def _taped(self, steps: int = 1) -> FloatArray:
-        """Return the derivative of the next steps in the chart, (6, 6).
+        """Return the Jacobian of the next `steps` steps, in the chart, (6, 6).
 
         `UnsupportedError` is raised if the solver does not accept a model with gradients.
         """
@@ -116,7 +116,7 @@ class NewtonSession(WorldSession):
         return import_module(f"{__package__}.tape").Tape(self.world)
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as reported by the model and the solver."""
+        """Return the effects that act, and words on all else that acts, read from Newton."""
         world, model, scenario = self.world, self.world.model, self.scenario
         motion, gravity = world.motion(), model.gravity.numpy()[0].astype(float)
         drag = self.scene["drag"]
@@ -148,7 +148,7 @@ class NewtonSession(WorldSession):
         return frozenset(acting | stated_effects if is_pushed else acting)
 
     def _damping(self) -> float:
-        """Return the rate at which the solver itself damps the body's ω, 1/s; 0 if it does not."""
+        """Return the rate at which the solver damps ω of itself, 1/s; 0 if it does not damp it."""
         model: Any = self.world.model
         if not hasattr(model, "steel"):
             return float(getattr(self.world.solver, "angular_damping", 0.0))
@@ -156,7 +156,7 @@ class NewtonSession(WorldSession):
         return float(model.steel.rigid_body_angular_damping.numpy()[0] * is_free)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield, in words, how the armatures of joints differ from what the scene needs."""
+        """Yield words on each joint that has an armature without being driven, or the reverse."""
         model = self.world.model
         armature, starts = model.joint_armature.numpy(), model.joint_qd_start.numpy()
         if armature[: starts[1]].any():
@@ -184,7 +184,7 @@ def _mujoco(integrator: str, order: int, summary: str) -> Method:
 
 
 def _shipped(name: str, summary: str, effects: frozenset[str] = EFFECTS) -> Method:
-    """Return the method as shipped, of first order, that uses a solver with its defaults."""
+    """Return a method as shipped, of first order: one of Newton's solvers with its defaults."""
     return Method(name, 1, 1, f"as shipped: {summary}", effects, as_shipped=True)
 
 
@@ -251,7 +251,7 @@ class Newton(WorldEngine):
             return super().open(scenario, method, timestep)
 
     def use_device(self, name: str) -> None:
-        """Make the device of Warp with a given name step all scenes from now on."""
+        """Make the device with Warp's name `name` step all scenes that are opened from now on."""
         use_warp_device(f"{__package__}.world", name)
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:

@@ -38,7 +38,7 @@ class NewtonModelReader(ModelReader):
         return version("newton")
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Return the bodies of the finalized model of a file, by the names of their links."""
+        """Return the bodies of Newton's finalized model of a file, by the names of their links."""
         with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             import newton
 

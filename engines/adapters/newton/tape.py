@@ -36,13 +36,13 @@ class Tape:
         self._solver = world.solver_class(self._model, **world.options)
 
     def jacobian(self, motion: Any, timestep: float, steps: int) -> FloatArray:
-        """Return the Jacobian of steps from a given motion in the chart, (6, 6).
+        """Return the Jacobian, in the chart, of steps that start with a given motion, (6, 6).
 
-        The turns, rad, and ω, rad/s, are in the axes of the scene's record.
+        The chart's turns, rad, and ω, rad/s, are along the axes of the scene's record.
 
         Parameters
         ----------
-        motion : the motion before the steps, with the keys of the scene's record
+        motion : the motion before the steps, a dict with `q`, `omega`, … as in a record
         timestep : length of the steps, s
         steps : number of steps
 
@@ -90,15 +90,16 @@ class Tape:
         return np.array(rows, dtype=float)
 
     def _in_chart(self, motion: Any, end: Any, rows: FloatArray) -> FloatArray:
-        """Return the Jacobian in the chart, (6, 6).
+        """Return a Jacobian in quaternions and ω_world, converted to the chart, (6, 6).
 
-        The chart is a turn δθ and ω in body axes: ω_world is R ω, and δR is R [δθ]×.
+        The chart is a turn δθ and ω, both in body axes. If R is the attitude, ω_world is R ω, and
+        δR is R [δθ]×.
 
         Parameters
         ----------
         motion : the motion before the steps
         end : Newton's state after the steps
-        rows : the Jacobian in quaternion and ω_world, (7, 7), from `_rows`
+        rows : the Jacobian that is converted, (7, 7), from `_rows`
         """
         q, q_after = np.array(motion["q"]), end.body_q.numpy()[0, list(QUATERNION)].astype(float)
         R, R_after = matrix(q), matrix(q_after)

@@ -36,10 +36,10 @@ def push_bodies(
     bodies: int,
     wrench: wp.array(dtype=wp.spatial_vector),
 ):
-    """Write the force and torque on the first body of each world into `wrench`; a Warp kernel.
+    """Write the scene's torque on the first body of each world into `wrench`; a Warp kernel.
 
-    Drag, N m s, and torques, N m, are those of the record. `bodies` is the number of bodies in a
-    world.
+    `drag`, N m s, and the torques, N m, are those of the record. `bodies` is the number of bodies
+    in a world. The force in `wrench` is set to zero.
     """
     i = wp.tid() * bodies
     turned = wp.quat_rotate(wp.transform_get_rotation(pose[i]), torque_body)
@@ -48,7 +48,7 @@ def push_bodies(
 
 
 def transform(place, q_wxyz=(1.0, 0.0, 0.0, 0.0)):
-    """Return a position, m, and a quaternion w x y z as Newton's transform."""
+    """Return Warp's transform with a position, m, and an attitude, a quaternion w x y z."""
     w, x, y, z = q_wxyz
     return wp.transform(wp.vec3(*place), wp.quat(x, y, z, w))
 
@@ -97,7 +97,7 @@ class World:
         self.restart(self.scenes, timestep)
 
     def builder(self):
-        """Return a model builder that has no body yet, with the scene's gravity."""
+        """Return a new model builder with the scene's gravity and no body."""
         builder = newton.ModelBuilder(gravity=tuple(self.scene["gravity"]))
         if hasattr(self.solver_class, "register_custom_attributes"):
             self.solver_class.register_custom_attributes(builder)
@@ -113,15 +113,16 @@ class World:
         builder.add_articulation([root, *hinges])
 
     def add_body(self, builder, mass, com, tensor):
-        """Add a body; return its number.
+        """Add a body to a model builder; return its number.
 
-        `mass` is in kg, `com` in m, and `tensor`, about the com, in kg m².
+        `mass` is in kg, and `com`, from the body's origin, in m, (3,). `tensor`, about the com, is
+        in kg m², (3, 3).
         """
         inertia = wp.mat33(*tensor.ravel())
         return builder.add_link(mass=mass, com=wp.vec3(*com), inertia=inertia, lock_inertia=True)
 
     def add_rotor(self, builder, body, lever, rotor):
-        """Add a rotor at its place on a body; return the number of its joint.
+        """Add a rotor to a body, on the joint of its kind of hinge; return the joint's number.
 
         Parameters
         ----------
@@ -144,7 +145,8 @@ class World:
 
         Parameters
         ----------
-        motion : a motion with the keys of the scene's record, or a list with one for each world
+        motion : a dict with `q`, `omega`, … as in a record; if there are several worlds, a list of
+            such dicts, one for each world
         timestep : length of the steps from now on, s
         """
         self.timestep = timestep
@@ -159,7 +161,7 @@ class World:
         self.then.assign(self.now)
 
     def coordinates(self, scene, motion):
-        """Return the coordinates and the velocities of all joints of a scene, as two lists.
+        """Return coordinates and velocities of a scene's joints in a motion, as two lists.
 
         The coordinates of a free joint are com, m, and attitude, x y z w. Its velocities are that
         of the com, m/s, and ω, rad/s, in world axes. A ball joint has only attitude and ω. Rotors
@@ -168,7 +170,7 @@ class World:
         Parameters
         ----------
         scene : the scene's record
-        motion : the motion, with the keys of a record
+        motion : the motion, a dict with `q`, `omega`, … as in a record
         """
         w, *xyz = motion["q"]
         spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)
@@ -196,11 +198,14 @@ class World:
         return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
 
     def motions(self, worlds):
-        """Return a list of the states of the worlds with given indices, each in `motion`'s form."""
+        """Return a list of the states of the worlds with given indices, each as from `motion`."""
         return [self.motion(world) for world in worlds]
 
     def push(self, state):
-        """Set the scene's torques on the bodies of a state; they stay constant during a step."""
+        """Write the scene's torques on the bodies into Newton's state, for the next step.
+
+        They are computed from that state, and stay constant during the step.
+        """
         scene = self.scene
         numbers = wp.vec3(*scene["torque_body"]), wp.vec3(*scene["torque_world"])
         inputs = [state.body_q, state.body_qd, scene["drag"], *numbers, self.bodies, state.body_f]
@@ -214,11 +219,11 @@ class World:
         self.now.assign(self.then)
 
     def advance(self, steps):
-        """Take `steps` steps; all but the first with a timestep replay a recorded graph.
+        """Take `steps` steps, most of them by replaying a recorded graph of kernel launches.
 
-        The first step with a timestep is taken by calls from Python. Then the kernel launches of a
-        step are recorded once, and all further steps launch the recorded graph, which takes a
-        hundredth of the time of the calls. Recording takes as long as two steps.
+        For each timestep, the very first step is taken by calls from Python. Then a step is
+        recorded as a graph, and all further steps launch this graph, which takes a hundredth of
+        the time of the calls. Recording takes as long as two steps.
         """
         if steps and self.timestep not in self.graphs:
             self.step(self.timestep)  # loads the kernels, which is not possible while recording

@@ -26,7 +26,7 @@ HOW = "python -m spincheck.engines.adapters.node"
 
 
 def discovered() -> Iterator[Engine | Missing]:
-    """Yield every engine that has an `.mjs` file in this folder, or a `Missing` with the reason."""
+    """Yield the engine of each `.mjs` file in this folder, or a `Missing` that says why not."""
     files = sorted(HERE.glob("*.mjs"))
     if shutil.which("node") is None:
         yield from (Missing(f.stem, "node", "node is not installed", FAMILY) for f in files)
@@ -43,7 +43,7 @@ def discovered() -> Iterator[Engine | Missing]:
 def modules_folder() -> Path:
     """Return the folder of the npm packages, which exists if they are installed.
 
-    Its path has a digest of `package-lock.json`: other versions are in another folder.
+    The path has a digest of `package-lock.json`, so that other versions have another folder.
     """
     digest = sha256(LOCK.read_bytes()).hexdigest()[:16]
     return user_cache() / "node" / digest / "node_modules"
@@ -52,7 +52,7 @@ def modules_folder() -> Path:
 def _engine(path: Path, modules: Path) -> ChildEngine | Missing:
     """Return the engine in a file, or a `Missing` with the reason if it does not start.
 
-    The engine is started only if its description is not stored; it is then stored.
+    The engine is started only if its description is not stored yet; the description is then stored.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def _child_engine(command: tuple[str, ...], hello: Hello, path: Path) -> ChildEn
 
 
 def _said_before(path: Path, modules: Path) -> Hello | None:
-    """Return an engine's stored description; None if there is none that can be read.
+    """Return an engine's stored description; None if none is stored or it cannot be read.
 
     Parameters
     ----------

@@ -69,7 +69,7 @@ def script(path: Path, scenario: Scenario, method: Method) -> str:
 
 
 def _part(path: Path) -> str:
-    """Return the text of a module without the word "export" before its definitions."""
+    """Return the text of a JavaScript module without the word "export" before its definitions."""
     return re.sub(r"^export ", "", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
 
 
@@ -84,6 +84,6 @@ def _package(text: str) -> str:
 
 
 def _entries(scenario: Scenario) -> list[str]:
-    """Return the lines of a scene's record as entries of a JavaScript object."""
+    """Return lines of JavaScript, the entries of an object that is the scene's record."""
     record = scene_record(scenario)
     return [f"  {key}: {json.dumps(record[key])},  // {ABOUT[key]}" for key in record]

@@ -33,7 +33,7 @@ class PinocchioSession(WorldSession):
     """
 
     def world_body(self) -> WorldBody:
-        """Return the body as the model holds it, from the joint, in the record's axes."""
+        """Return the body as the model holds it, with the joint as origin, in the record's axes."""
         inertia = self.world.model.inertias[self.world.joint]
         arm = None if self.world.is_free else np.zeros(3)
         rotors = [self._rotor(joint) for joint in self.world.rotors]
@@ -44,8 +44,8 @@ class PinocchioSession(WorldSession):
     def _rotor(self, joint: int) -> HeldRotor:
         """Return the rotor on the joint with a given number, at joint angle 0.
 
-        The number 0 stands for a locked rotor. The model has made it part of the body, so that the
-        returned rotor has no mass.
+        The number 0 stands for a locked rotor. Pinocchio has merged it into the body, and so the
+        returned rotor has mass 0.
         """
         if not joint:
             return HeldRotor(0.0, np.zeros(3), np.zeros((3, 3)), np.zeros(3))
@@ -56,14 +56,15 @@ class PinocchioSession(WorldSession):
         return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the derivative of dω/dt, which `computeABADerivatives` computes exactly."""
+        """Return the derivative of dω/dt that Pinocchio computes, under its function's name."""
         return {"computeABADerivatives": Derivative(self._rate)}
 
     def _rate(self) -> FloatArray:
         """Return the derivative of dω/dt in the chart, (3, 6).
 
-        It is made of ∂ddq/∂q and ∂ddq/∂v: Pinocchio differentiates by turns in body axes.
-        `UnsupportedError` is raised if the scene has torques or drag.
+        It consists of blocks of ∂v'/∂q and ∂v'/∂v, where v has ω in body axes, and ∂q of the
+        attitude is a turn in body axes, as in the chart. `UnsupportedError` is raised if the scene
+        has torques or drag.
         """
         world = self.world
         if world.is_pushed:
@@ -77,10 +78,10 @@ class PinocchioSession(WorldSession):
         return along(self.frame.body_from_axes.as_matrix(), rate)
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body: gravity and joints as found in the model.
+        """Return the effects that act, and words on all else that acts, read from the model.
 
-        The model does not hold torques, which are passed to `aba` in each step: those of the scene
-        are assumed to act.
+        The model does not hold torques and drag, which are passed to `aba` in each step: those of
+        the scene are assumed to act.
         """
         model, scenario = self.world.model, self.scenario
         named = {
@@ -93,8 +94,9 @@ class PinocchioSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return, by name, whether the joints implement each effect or have a fault.
+        """Return names of what the joints may implement, each with whether they do.
 
+        The names are the effects "pivot", "table" and "rotors", then words on faults of joints.
         Joints before the body's own are slides, those after it are hinges of rotors.
         """
         world, model = self.world, self.world.model

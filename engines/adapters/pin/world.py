@@ -41,7 +41,7 @@ class World:
         self.restart(scene, timestep)
 
     def add_body(self, scene):
-        """Add the body and its joint, which may be on slides."""
+        """Add the body and its joint; for a body on a table, add slides before that joint."""
         kind = pinocchio.JointModelFreeFlyer if self.is_free else pinocchio.JointModelSpherical
         parent, at = 0, pinocchio.SE3(np.eye(3), self.height)
         for axis in self.slides:
@@ -53,9 +53,9 @@ class World:
         self.model.appendBodyToJoint(self.joint, inertia, pinocchio.SE3.Identity())
 
     def add_rotor(self, rotor):
-        """Add the rotor with an entry `rotor` in the record; return the number of its joint.
+        """Add a rotor, given its entry in the record; return the number of its joint.
 
-        A locked rotor becomes part of the body: its number is 0.
+        A locked rotor has no joint and is merged into the body; the number is then 0.
         """
         at = pinocchio.SE3(np.eye(3), self.lever + rotor["place"])
         inertia = pinocchio.Inertia(rotor["mass"], np.zeros(3), rotor_tensor(rotor))
@@ -71,7 +71,7 @@ class World:
         return joint
 
     def restart(self, motion, timestep):
-        """Set another motion, with the keys of the scene's record, and the timestep, s."""
+        """Set another motion, a dict with `q`, `omega`, … as in a record, and the timestep, s."""
         self.timestep = timestep
         w, x, y, z = motion["q"]
         R = pinocchio.Quaternion(np.array((x, y, z, w))).matrix()
@@ -105,7 +105,7 @@ class World:
         return np.array([w, x, y, z, *omega, *com, *velocity, *self.spins()])
 
     def spins(self):
-        """Return the spins of the rotors, rad/s; 0 for a locked one."""
+        """Return a list of the rotors' spins, rad/s; that of a locked rotor is 0."""
         joints = self.model.joints
         return [self.v[joints[joint].idx_v] if joint else 0.0 for joint in self.rotors]
 
@@ -115,7 +115,10 @@ class World:
             self.step()
 
     def semi_implicit(self):
-        """Take a semi-implicit Euler step, as Pinocchio's examples do: with the new velocities."""
+        """Take a semi-implicit Euler step: the new velocities move the coordinates.
+
+        Pinocchio's examples step in this way.
+        """
         self.v = self.v + self.timestep * self.acceleration(self.q, self.v)
         self.q = pinocchio.integrate(self.model, self.q, self.timestep * self.v)
 

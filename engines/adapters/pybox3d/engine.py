@@ -26,7 +26,10 @@ class PyBox3DSession(WorldSession):
     """A session of a world with one box, whose centre is the body's com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the engine holds it; the tensor is measured, by impulses."""
+        """Return the body as Box3D holds it, in the record's axes and with the com as origin.
+
+        Its tensor is measured by impulses.
+        """
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.anchor_b)
         return WorldBody(self.world.body.mass, np.zeros(3), self._tensor(), arm)
@@ -34,8 +37,8 @@ class PyBox3DSession(WorldSession):
     def _tensor(self) -> FloatArray:
         """Return the tensor about the com, kg m², in the record's axes, (3, 3).
 
-        The engine does not report it. It is measured by three couples of impulses on the body at
-        rest: with the scene's moments, each would set it turning about one axis at 2 rad/s.
+        Box3D does not report it. It is measured by three couples of impulses on the body at rest.
+        If the moments are the scene's, each couple makes the body turn about one axis at 2 rad/s.
         """
         body, world = self.world.body, self.world.world
         before = world.snapshot()
@@ -52,7 +55,7 @@ class PyBox3DSession(WorldSession):
         return (tensor + tensor.T) / 2
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, as the world reports it.
+        """Return the effects that act, and words on all else that acts, read from the world.
 
         The world does not report torques: those of the scene are assumed to act.
         """
@@ -74,7 +77,7 @@ class PyBox3DSession(WorldSession):
 
 @final
 class PyBox3D(WorldEngine):
-    """The engine Box3D, with a box of the scene's moments, and a pivot as a spherical joint."""
+    """The engine Box3D: the body is a box with the scene's moments, a pivot a spherical joint."""
 
     session = PyBox3DSession
     name = "pybox3d"

@@ -7,19 +7,20 @@ from ...world_parts import is_pushed, matrix, push
 
 
 def wxyz(q):
-    """Return one of pybox3d's quaternions as numbers, w x y z, (4,)."""
+    """Return a quaternion of pybox3d as an array, w x y z, (4,)."""
     return np.array((q.w, q.x, q.y, q.z))
 
 
 def xyz(v):
-    """Return one of pybox3d's vectors as numbers, (3,)."""
+    """Return a vector of pybox3d as an array, (3,)."""
     return np.array((v.x, v.y, v.z))
 
 
 def half_extents(mass, moments):
-    """Return half the edges, m, (3,), of the uniform box with a given mass, kg, and moments, kg m².
+    """Return half the lengths of a uniform box's edges, m, (3,), given its mass and moments.
 
-    The moments are about its centre and along its edges, (3,).
+    The mass is in kg. The moments, kg m², (3,), are about the axes through the box's centre that
+    are parallel to its edges.
     """
     squares = np.sum(moments) / 2 - np.array(moments)
     return np.sqrt(3 / mass * np.maximum(squares, 0.0))
@@ -44,7 +45,7 @@ class World:
 
         Parameters
         ----------
-        motion : a motion with the keys of the scene's record
+        motion : a dict with `q`, `omega`, … as in a record
         timestep : length of the steps from now on, s
         """
         self.scene = scene = self.scene | motion
@@ -78,7 +79,10 @@ class World:
         return np.concatenate([wxyz(body.orientation), *map(xyz, vectors)])
 
     def push(self):
-        """Apply the scene's torque, as a couple of forces, which the next step clears."""
+        """Apply the scene's torques and drag for the next step, as a couple of forces.
+
+        Box3D clears the forces after the step.
+        """
         place = xyz(self.body.position)
         torque = push(
             self.scene, matrix(wxyz(self.body.orientation)), xyz(self.body.angular_velocity)

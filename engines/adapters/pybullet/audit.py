@@ -30,7 +30,7 @@ def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) 
     """Return names of the effects that act, and descriptions of anything else that acts.
 
     The measurements change the body's state, switch off gravity and some of PyBullet's defaults,
-    and remove the plane under a body on a contact.
+    and remove the plane under a body on a contact. Torques are not measured if ω is not finite.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) 
 
 
 def _engine(world: World, scenario: Scenario) -> set[str]:
-    """Return "gravity" if it is that of the scene, and descriptions of other settings that act."""
+    """Return a set: "gravity" if it acts as in the scene, and words on settings that differ."""
     engine = p.getPhysicsEngineParameters(world.client)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
     acting = {"real-time stepping"} if engine["useRealTimeSimulation"] else set()
@@ -78,8 +78,8 @@ def _holds(world: World) -> set[str]:
 def _beside(world: World, scenario: Scenario) -> set[str]:
     """Return words on what could collide: other bodies, and collision shapes.
 
-    If a table is implemented by a contact, the plane under the body is reported as "table". The
-    plane is then removed from the world: it would push the body in the measurements that follow.
+    If a contact implements the table, a plane at the scene's height is reported as "table". All
+    other bodies are then removed: a plane would push the body in the measurements that follow.
     """
     client, acting = world.client, set()
     bodies = [p.getBodyUniqueId(i, client) for i in range(p.getNumBodies(client))]
@@ -104,10 +104,10 @@ def _beside(world: World, scenario: Scenario) -> set[str]:
 
 
 def _has_shape(client: int, body: int, link: int) -> bool:
-    """Whether a link has a collision shape: it is larger than PyBullet's empty shape.
+    """Whether a link has a collision shape that is larger than PyBullet's empty one.
 
-    The margin is compared, which is the radius of a sphere, and the bounding box. The shapes
-    themselves are not reported for bodies in maximal coordinates.
+    What is compared is the collision margin, which for a sphere is its radius, and the bounding
+    box, because PyBullet does not report the shapes of bodies in maximal coordinates.
     """
     margin = p.getDynamicsInfo(body, link, client)[11]
     low, high = p.getAABB(body, link, client)
@@ -118,9 +118,10 @@ def _has_shape(client: int, body: int, link: int) -> bool:
 
 
 def _acting(probe: Probe) -> set[str]:
-    """Return names of the torques, drag, damping and clamp that act, found by a probe's steps.
+    """Return names of effects, and words on other torques and forces, found by a probe's steps.
 
-    The steps are taken without gravity, from rest and from a spin.
+    Effects are torques, drag and rotors; PyBullet's damping, motors and clamp are described. The
+    steps are taken without gravity, from rest and from a spin.
     """
     torque, resistance, force = probe.unlike()
     acting = {words for words in (torque, resistance, force) if words}
@@ -165,9 +166,9 @@ def _slowing_defaults(probe: Probe) -> set[str]:
 
 
 def _is_clamped(probe: Probe) -> bool:
-    """Whether PyBullet clamps velocities: a fast spin is lost in one step.
+    """Whether PyBullet clamps velocities, so that most of a fast spin is lost in one step.
 
-    There must be no damping and no motor any more.
+    Damping and motors must have been removed before, as they would also slow the spin.
     """
     before, after = probe.after(probe.spin_world * (PROBE_RUSH / PROBE_SPIN))
     speed = float(np.linalg.norm(before.omega_body))

@@ -19,7 +19,8 @@ LEFT = {DEFAULT: frozenset(DEFAULTS), FROM_FILE: frozenset[str]()}
 class PyBulletFile(FileEngine):
     """An engine that simulates one link of a user's URDF, as `loadURDF` reads it.
 
-    Its methods are the two ways to call `loadURDF` that `PyBulletModelReader` has.
+    Its methods are the ways to call `loadURDF`: with the flag that makes it use stated tensors, and
+    without.
     """
 
     name = "pybullet-file"

@@ -32,7 +32,7 @@ class BodyRepresentation:
         is a point-to-point constraint
     left_in : names of parts that are kept so that their cost can be measured: `SHAPE`, `MOTOR`
     defaults : names, out of `DEFAULTS`, of PyBullet's defaults that are kept
-    own : the files that are loaded, contents by name; None for the scene's URDF
+    own : the user's own files that are loaded, contents by name; None if the scene's URDF is loaded
     description : how the scene's URDF describes the body
     by_contact : whether a table is implemented by a contact of a sphere and a plane
     """
@@ -51,7 +51,7 @@ class BodyRepresentation:
         return bool(self.defaults)
 
     def hangs(self, scenario: Scenario) -> bool:
-        """Whether a spherical joint holds the scene's body."""
+        """Whether a spherical joint holds the body: `hung` is true and the scene holds it."""
         return self.hung and not scenario.constraint.is_free
 
 
@@ -90,9 +90,9 @@ def load(
 
 
 def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str, Any]:
-    """Return the part of the record for `World` that is known before the body is loaded.
+    """Return those entries of the record for `World` that are known before the body is loaded.
 
-    Numbers along the principal axes are missing, because PyBullet finds these axes itself.
+    Entries along principal axes are missing, because PyBullet finds these axes as it loads.
     """
     start, is_pivot = scenario.start, scenario.constraint.is_pivot
     hung = representation.hangs(scenario)
@@ -119,7 +119,7 @@ def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str,
 
 
 def scenes_own(scenario: Scenario, representation: BodyRepresentation) -> dict[str, bytes]:
-    """Return the scene's URDF, as bytes, in a mapping from its file's name, `FILE`.
+    """Return a dict with the scene's URDF, as bytes, under the name of its file, `FILE`.
 
     The URDF states a joint that holds the body only if the representation has one. It has a
     collision sphere if a contact holds the body, or if `SHAPE` is left in.

@@ -123,11 +123,11 @@ class Model:
         return State(q_world_body, omega_body, com_world, velocity_world, spins)
 
     def coordinates(self, states: State) -> FloatArray:
-        """Return the velocity coordinates of n states, which PyBullet clamps, rad/s and m/s.
+        """Return the velocity coordinates of n states, which PyBullet clamps, (n, coordinates).
 
-        There is a row for each state. It has ω and the velocity in world axes, or for a body on a
-        spherical joint the rates of slides and ω along principal axes; then the spins of all
-        rotors.
+        A row has ω, rad/s, and the velocity, m/s, in world axes. For a body on a spherical joint it
+        has the rates of slides, m/s, and ω along principal axes instead. The spins of all rotors,
+        rad/s, come last.
         """
         R_world_body = matrices(states.q_world_body_wxyz)
         if self.world.link == BASE:
@@ -139,10 +139,10 @@ class Model:
         return np.hstack([sliding, turning, states.spins])
 
     def motion(self, state: State) -> dict[str, Any]:
-        """Return a state as a motion for `World.restart`.
+        """Return a state as a motion, a dict for `World.restart`.
 
         If the body is on a spherical joint, this call turns the joint in the world to the state's
-        attitude: the motion has the joint's attitude as PyBullet rounds it.
+        attitude, and the motion has the joint's attitude as PyBullet then reports it, rounded.
         """
         world, times_q_body_principal = self.world, times(self._q_body_principal)
         q_world_body = state.q_world_body_wxyz / np.linalg.norm(state.q_world_body_wxyz)

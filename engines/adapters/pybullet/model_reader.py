@@ -49,7 +49,8 @@ class PyBulletModelReader(ModelReader):
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
         """Load a file; return its bodies, by the names of their links.
 
-        Its shapes are loaded only for the default, which computes tensors from them.
+        Shapes are loaded only in the configuration `DEFAULT`, in which PyBullet computes tensors
+        from them.
         """
         asks_shapes = configuration == DEFAULT
         flags = p.URDF_IGNORE_VISUAL_SHAPES

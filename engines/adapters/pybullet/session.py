@@ -78,7 +78,7 @@ class PyBulletSession(Session):
         return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state; one that a constraint holds may be set away from its pivot.
+        """Set the body to a state, even to one off the pivot if a constraint holds the body.
 
         `UnsupportedError` is raised if the pivot of a body in maximal coordinates cannot bear the
         load in that state, `EngineError` if PyBullet is interrupted.
@@ -115,7 +115,7 @@ class PyBulletSession(Session):
     def advance(self, steps: int) -> None:
         """Let the world take steps; raise `EngineError` if PyBullet is interrupted in a step.
 
-        The world is then not used again.
+        After such an error the world is not used again.
         """
         try:
             self.world.advance(steps)
@@ -166,14 +166,14 @@ class PyBulletSession(Session):
         return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
 
     def active(self) -> frozenset[str]:
-        """Return what acts on the body, read back from PyBullet or measured by steps.
+        """Return the effects that act, and words on all else, read from PyBullet or measured.
 
         The measurements (`what_acts`) change the body's state and PyBullet's settings.
         """
         return what_acts(self.advance, self.model, self._scenario)
 
     def close(self) -> None:
-        """Give the world back for reuse, or disconnect it if something went wrong in it."""
+        """Give the world back for reuse, or disconnect it after an interruption or a blow-up."""
         if not p.isConnected(self.client):
             return
         if self._is_sound and np.isfinite(self.read_state().omega_body).all():

@@ -141,10 +141,12 @@ class World:
         self.change(BASE, linearDamping=0, angularDamping=0)
 
     def set_motor(self, gain):
-        """Set the gain of the motor with which PyBullet brakes a spherical joint.
+        """Set the gain of the motor with which PyBullet brakes a spherical joint by default.
 
-        A `gain` of 0 removes the motor; three zeros keep it in the solver, without a force. A motor
-        that was removed cannot be added again.
+        Parameters
+        ----------
+        gain : the number 0, with which PyBullet removes the motor for good, or the three numbers
+            (0, 0, 0), with which the motor stays in the solver but exerts no torque
         """
         self.control(
             p.POSITION_CONTROL,
@@ -201,7 +203,10 @@ class World:
             p.changeDynamics(body, BASE, **FRICTIONLESS, physicsClientId=client)
 
     def restart(self, motion, timestep):
-        """Set the body to a motion, and the length of the steps from now on, s."""
+        """Set the body to a motion, and the length of the steps from now on, s.
+
+        `motion` has the last group of keys of the record: `turn`, `omega`, `place` and so on.
+        """
         if self.link == BASE:
             place, turn = motion["place"], motion["turn"]
             p.resetBasePositionAndOrientation(self.body, place, turn, self.client)
@@ -209,9 +214,10 @@ class World:
         self.set_timestep(timestep)
 
     def set_moving(self, motion):
-        """Set the velocities and spins of a motion, and the coordinates of joints.
+        """Set velocities, spins and the coordinates of joints to those of a motion.
 
-        The pose of a base is left as it is. For the start, `motion` is the whole record.
+        The pose of a base is left as it is. `motion` has the last group of keys of the record, or
+        is the whole record, for the start.
         """
         place, velocity, omega = motion["place"], motion["velocity"], motion["omega"]
         if self.link == BASE:
@@ -225,7 +231,7 @@ class World:
     def turn_joint(self, turn, omega):
         """Set attitude, x y z w, and ω, rad/s, of the spherical joint that holds the body.
 
-        Both are along the principal axes.
+        The attitude is a rotation from the joint's zero pose. Both are along the principal axes.
         """
         p.resetJointStateMultiDof(self.body, self.link, turn, omega, physicsClientId=self.client)
 
@@ -261,7 +267,7 @@ class World:
         )
 
     def set_torques(self):
-        """Choose the torques to apply before each native call, and whether it may take many steps.
+        """Choose the torques to apply before each native call; decide if it may take many steps.
 
         PyBullet applies a torque in all steps of a call and clears it afterwards. This is right for
         a torque that is constant in world axes, or one on a joint. With any other torque, each step
@@ -323,7 +329,7 @@ class World:
             raise RuntimeError("PyBullet did not complete a step")
 
     def motion(self):
-        """Return com, attitude (x y z w), velocity and ω, in world axes.
+        """Return four tuples: com, m, attitude (x y z w), velocity, m/s, and ω, rad/s, world axes.
 
         They are those of the base, or of the link on the spherical joint, without rotors; the
         attitude is that of its principal axes. A link's motion is computed anew, because PyBullet's

@@ -13,22 +13,22 @@ RIGID = 1e12
 
 
 def wxyz(q):
-    """Return one of Rapier's quaternions as numbers, w x y z, (4,)."""
+    """Return a quaternion of Rapier as an array, w x y z, (4,)."""
     return np.array((q.w, q.i, q.j, q.k))
 
 
 def xyz(v):
-    """Return one of Rapier's vectors as numbers, (3,)."""
+    """Return a vector of Rapier as an array, (3,)."""
     return np.array((v.x, v.y, v.z))
 
 
 def count(mask):
-    """Return the number of axes that a joint's mask locks."""
+    """Return the number of axes in a joint's mask, such as that of the axes that it locks."""
     return mask.bits.bit_count()
 
 
 def is_soft(joint):
-    """Return whether a joint's spring is softer than `RIGID`: it gives way in short steps."""
+    """Whether a joint's spring is softer than `RIGID`, so that it gives way in short steps."""
     return joint.data.softness.natural_frequency < RIGID / 2
 
 
@@ -51,7 +51,7 @@ class World:
 
         Parameters
         ----------
-        motion : a motion with the keys of the scene's record
+        motion : a dict with `q`, `omega`, … as in a record
         timestep : length of the steps from now on, s
         """
         self.scene = scene = self.scene | motion
@@ -75,7 +75,7 @@ class World:
 
         Parameters
         ----------
-        motion : mass and motion of the body, with the keys of the scene's record
+        motion : a dict with `mass`, `q`, `omega`, `com` and `velocity` as in a record
         moments : principal moments, kg m², (3,)
         frame : Rapier's rotation from the principal axes to the body's axes
         """
@@ -94,7 +94,7 @@ class World:
         return body, handle
 
     def add_rotor(self, carrier, rotor, spin):
-        """Add a rotor with the same axes as its carrier; return the rotor's body and joint.
+        """Add a rotor whose axes coincide with its carrier's; return the rotor's body and joint.
 
         Parameters
         ----------
@@ -136,7 +136,7 @@ class World:
         return self.world.impulse_joints.get(number)
 
     def joints(self):
-        """Return all joints: the one that holds the body, if any, and those of the rotors."""
+        """Return a list of joints: that which holds the body, if any, then those of the rotors."""
         return [self.joint] * (self.joint is not None) + [joint for _, joint in self.rotors]
 
     def motion(self):
@@ -152,9 +152,10 @@ class World:
         return np.concatenate([q, omega, xyz(body.center_of_mass), xyz(body.linvel), spins])
 
     def push(self):
-        """Set the scene's torque on the body in its present state.
+        """Apply the sum of the scene's torques and drag to the body; return it.
 
-        Rapier keeps a torque until it is reset. The torque is returned, N m, world axes, (3,).
+        It is computed from the present state, N m, world axes, (3,). Rapier applies it in all
+        steps until it is reset.
         """
         rotation = matrix(wxyz(self.body.rotation))
         torque = push(self.scene, rotation, xyz(self.body.angvel))
