@@ -26,7 +26,9 @@ ODD_SINE, ODD_COSINE, EVEN_SINE, EVEN_COSINE = range(4)
 
 @dataclass(frozen=True)
 class Lattice:
-    """The periods that belong to a parameter m, in mpmath's precision when they are first used.
+    """The periods of the elliptic functions of parameter m.
+
+    They are computed at first use, in the working precision that mpmath has then.
 
     Attributes
     ----------
@@ -59,7 +61,10 @@ class Lattice:
 
     @cached_property
     def scale(self) -> mpf:
-        """x/u, from the argument u of sn to that of series, x: π/2K, or π/2K' if `hyperbolic`."""
+        """The ratio x/u of the argument x of the theta series to the argument u of sn.
+
+        It is π/2K, or π/2K' if `hyperbolic`.
+        """
         return mp.pi / (2 * (self.K1 if self.hyperbolic else self.K))
 
     @property

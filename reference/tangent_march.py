@@ -73,7 +73,10 @@ def _move(series: Dual, tensor: Table, n: int) -> None:
 def _add_inertia(
     series: Dual, constants: Dual, inverses: Dual, terms: Terms, tensor: Table, n: int
 ) -> None:
-    """Add the contribution of a change δI to order n of δω'; order n of ω' must be known."""
+    """Add what a change δI of the inertia contributes to order n of δω' and order n + 1 of δω.
+
+    δω is the derivative of ω. Order n of ω', and of δω' at constant inertia, must be known.
+    """
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)
     for i in range(3):
@@ -107,7 +110,7 @@ def _tangent_step(tangent: FloatArray, order: int) -> float:
 
     Term n must be at most e⁻²⁽ⁿ⁻ᵏ⁾ of one of the lower terms k, for ω and for q. It is not compared
     with term 0 alone, because that may be zero: a derivative may be zero at first, and that of a
-    body at rest may grow.
+    body at rest may grow. The step is 0 if one of these terms is not finite.
     """
     radius = np.inf
     for first, last in ((OMEGA, OMEGA + 3), (Q, Q + 4)):

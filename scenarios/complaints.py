@@ -58,7 +58,7 @@ def validation_message(details: list[ErrorDetails], text: str, where: str) -> st
 
 
 def misfit(error: Misfit, text: str, where: str) -> str:
-    """Return the message about a value that does not fit, with its place in the file.
+    """Return the message of a `Misfit`, with the file, line and key of the wrong value before it.
 
     Parameters
     ----------

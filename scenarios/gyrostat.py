@@ -55,7 +55,10 @@ class Rotor:
 
     @property
     def inertia(self) -> Tensor:
-        """Inertia about the rotor's com, A 1 + (C − A) u uᵀ, kg m²."""
+        """Inertia about the rotor's com, kg m², body axes.
+
+        It is A 1 + (C − A) u uᵀ, with u the axis, and A and C the moments across and along it.
+        """
         zero, A = mpf(0), self.across
         isotropic = ((A, zero, zero), (zero, A, zero), (zero, zero, A))
         return add(isotropic, self.about_axis(self.along - self.across))
@@ -73,7 +76,7 @@ class Rotor:
 
 @dataclass(frozen=True, eq=False)
 class Rotors:
-    """All rotors of a body; false if there are none.
+    """All rotors of a body; as a truth value, whether there are any.
 
     In formulas u is the unit vector of a rotor's axis, body axes, C the rotor's moment of inertia
     about it, kg m², and s its spin, rad/s.
@@ -167,7 +170,7 @@ class Rotors:
         They arise in coordinates that turn with a rotor. An engine that uses such coordinates sums
         them, with rounding errors in proportion to their sizes: Σ m r s² of the forces and
         Σ (C + m d r) s² of the torques, with m a rotor's mass, d its distance from the com, and
-        r = d + `far` a bound on that from the coordinates' origin.
+        r = d + `far` a bound on its distance from the coordinates' origin.
 
         Parameters
         ----------
@@ -257,9 +260,13 @@ def without_free_axes(inertia: Tensor, rotors: Rotors) -> Tensor:
 
 
 def kept_exact(rotor: Rotor, omega_body: Vector) -> mpf:
-    """Return the angular momentum that one rotor keeps, in extended precision, kg m²/s.
+    """Return the constant angular momentum of one rotor about its axle, kg m²/s.
 
-    It is `Rotors.kept` at t = 0, where ω is `omega_body`, rad/s, body axes.
+    It is what `Rotors.kept` returns for t = 0, but in extended precision.
+
+    Parameters
+    ----------
+    omega_body : ω at t = 0, rad/s, body axes
     """
     with mp.workdps(DIGITS):
         turned = dot(rotor.axis, omega_body) if rotor.hinge == "free" else mpf(0)

@@ -77,7 +77,8 @@ class Scene(Protocol):
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
 
-        It is C (u·ω + s) on a free hinge and C s on any other, in the symbols of `gyrostat`.
+        It is C (u·ω + s) on a free hinge and C s on any other, with u the unit vector of the axle
+        and C the rotor's moment about it.
 
         Parameters
         ----------
@@ -90,7 +91,13 @@ class Scene(Protocol):
         """The rotors' constant angular momenta at t = 0, as of `kept`, kg m²/s, (rotors,)."""
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """Return the vector sum of the rotors' momenta `kept`, kg m²/s, body axes, (n, 3)."""
+        """Return the vector sum of the rotors' angular momenta, kg m²/s, body axes, (n, 3) or (3,).
+
+        Parameters
+        ----------
+        kept : constant angular momentum of each rotor about its axle, kg m²/s, (n, rotors) or
+            (rotors,)
+        """
 
     @property
     def constraint(self) -> Constraint:

@@ -67,9 +67,9 @@ def constraint(table: TableTable, body: Body) -> Constraint:
 
 
 def arm_body(scenario: Scene, up_body: FloatArray) -> FloatArray:
-    """Return b, the torque about the com by a unit of the force N, m, body axes, (n, 3) or (3,).
+    """Return b, the torque about the com for each newton of the table's force, (n, 3) or (3,).
 
-    `up_body` is the world's vertical ẑ along body axes, (n, 3) or (3,).
+    It is in m, body axes. `up_body` is the world's vertical ẑ along body axes, (n, 3) or (3,).
     """
     return cross(up_body, scenario.constraint.lever)
 
