@@ -56,7 +56,8 @@ class InvariantScales:
         """An upper estimate of ‖L‖, kg m²/s: ‖L‖ at t = 0, plus 2√(M g l I), plus ‖τ‖ t.
 
         The second term is what a pendulum with the greatest principal moment I gains in falling
-        from the top to the bottom; the third is the impulse of the constant torques τ.
+        from the top to the bottom; the third is the impulse of the constant torques τ within the
+        window's length t.
         """
         fall = 2 * np.sqrt(self.pull * float(max(self.problem.moments)))
         torque = float(norm(self.problem.torque_world) + norm(self.problem.torque_axes))
@@ -209,7 +210,7 @@ def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 def _is_left(law: str) -> Callable[[InvariantScales], bool]:
     """Return a function that tells whether no effect of a scene breaks the law of a given name.
 
-    An effect that turns the body breaks all laws that its `keeps` does not name.
+    An effect that turns the body breaks all laws except those in its `EffectTerms.keeps`.
     """
     return lambda scene: all(law in TERMS[name].keeps for name in turning(scene.problem))
 

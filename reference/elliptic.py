@@ -55,7 +55,10 @@ class Lattice:
 
     @cached_property
     def nome(self) -> mpf:
-        """q = exp(−π K'/K), or q' = exp(−π K/K') where `hyperbolic` (DLMF 20.9.1)."""
+        """The nome of the theta series: q = exp(−π K'/K), or q' = exp(−π K/K') if `hyperbolic`.
+
+        See DLMF 20.9.1.
+        """
         long, short = (self.K, self.K1) if self.hyperbolic else (self.K1, self.K)
         return mpf(0) if mp.isinf(long) else mp.exp(-mp.pi * long / short)
 

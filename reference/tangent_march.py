@@ -61,7 +61,7 @@ LOWER = 4
 
 @kernel
 def _move(series: Dual, tensor: Table, n: int) -> None:
-    """Write order n of the series of δI ω; `tensor` is δI."""
+    """Write order n of the series of δI ω; `tensor` is δI, the derivative of the inertia tensor."""
     for i in range(3):
         moved = zero(series.value)
         for j in range(3):
@@ -148,11 +148,17 @@ def march_with_tangent(
 
     Parameters
     ----------
-    constants, inverses : as for `march`, each with its derivative by the parameter as the tangent
-    terms, paired, clock, times, first, steps : as for `march`
+    constants, inverses : the constants of the equations, and the table of 1/n, 1/(2n) and n, each
+        with its derivative by the parameter as the tangent
+    terms : which terms the equations of motion have
     tensor : δI, the derivative of the tensor of inertia, kg m², principal axes, (3, 3)
+    paired : number of orders that are in double-double
     series : order 0 has the state and its derivative at the time `clock`; it is overwritten
+    clock : the time, as high and low part, s, (2,); it is advanced
+    times : sample times, s, (n,)
     states, tangents : the states and their derivatives, doubles, which are written, (n, STATE) each
+    first : index of the first sample to write
+    steps : largest number of steps
 
     Returns
     -------

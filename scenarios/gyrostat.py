@@ -113,9 +113,9 @@ class Rotors:
 
     @cached_property
     def axial_body(self) -> FloatArray:
-        """C u of each rotor, kg m², (rotors, 3): its spin times this is the spin's part of L.
+        """C u of each rotor, kg m², body axes, (rotors, 3); zero for a locked rotor.
 
-        It is zero for a locked rotor.
+        Multiplied by the rotor's spin it is what the spin adds to the angular momentum L.
         """
         return read_only((self.along * self.is_turning)[:, None] * self.axes_body)
 
@@ -187,23 +187,29 @@ class Rotors:
     def sizes(self, omega_body: FloatArray) -> tuple[FloatArray, float]:
         """Return sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
-        The size of a rotor's angular momentum is C |s| + C |u·ω| at the start. It is zero only if
-        at the start the rotor turns about its axle neither in the body nor together with it.
+        The size of a rotor's angular momentum is C (|s| + |u·ω|) at the start, and the size of the
+        energy is Σ ½ C (|s| + |u·ω|)². A size is zero only if at the start the rotor turns about
+        its axle neither in the body nor together with it.
 
         Parameters
         ----------
-        omega_body : ω at the start, rad/s, (3,)
+        omega_body : ω at the start, rad/s, body axes, (3,)
         """
         turned = np.abs(self.axes_body @ omega_body)
         kept = np.asarray(self.along * (np.abs(self.start_spins) + turned))
         return kept, float(kept @ (kept / self.along)) / 2
 
     def momentum_body(self, spins: FloatArray) -> FloatArray:
-        """Return Σ C s u, the rotors' part of L by their spins, kg m²/s, body axes, (n, 3)."""
+        """Return Σ C s u, what the rotors' spins add to L, kg m²/s, body axes, (n, 3).
+
+        Parameters
+        ----------
+        spins : spins s of the rotors in n states, rad/s, (n, rotors)
+        """
         return np.asarray(spins @ self.axial_body)
 
     def energy(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ (C s u·ω + ½ C s²), the rotors' part of T by their spins, J, (n,).
+        """Return Σ (C s u·ω + ½ C s²), what the rotors' spins add to the kinetic energy, J, (n,).
 
         Parameters
         ----------
@@ -214,7 +220,9 @@ class Rotors:
         return np.asarray((self.along * spins * (turned + spins / 2)).sum(axis=-1))
 
     def work(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ C s u·ω of driven rotors, J, (n,); its change is the work of their drives.
+        """Return Σ C s u·ω of driven rotors, J, (n,).
+
+        Its change along a motion is the work of the motors that keep their spins constant.
 
         Parameters
         ----------

@@ -119,7 +119,7 @@ class Scenario:
 
     @cached_property
     def constraint(self) -> Constraint:
-        """The constraint that holds the body; that of a free body holds along no axis."""
+        """The constraint that holds the body; a free body has one that holds along no axis."""
         return _constraint(self.document, self.body)
 
     @property
@@ -147,7 +147,7 @@ class Scenario:
 
     @cached_property
     def kept_at_start(self) -> FloatArray:
-        """The rotors' constant angular momenta at t = 0, as of `kept`, kg m²/s, (rotors,)."""
+        """The constant angular momenta of the rotors about their axles, kg m²/s, (rotors,)."""
         return self.kept(self.start.omega_body, self.start_spins)
 
     @property

@@ -94,7 +94,7 @@ class Signal:
 
     @property
     def shown(self) -> float:
-        """Factor that errors are multiplied by when they are shown: it makes degrees of rad."""
+        """The factor by which errors are multiplied for display: 180/π if in rad, else 1."""
         return math.degrees(1.0) if self.unit == "rad" else 1.0
 
     @property
@@ -117,7 +117,9 @@ class Signal:
         return min(orders[name] for name in self.depends_on)
 
     def growth(self, scene: Scene, exact: Trajectory, conditioning: Errors) -> float:
-        """Return the signal's relative change if each number of the scene changes by one ulp.
+        """Return how much the signal changes if each number of the scene changes by one ulp.
+
+        The change is in the unit of the signal's errors: relative, or rad.
 
         Parameters
         ----------

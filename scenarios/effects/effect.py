@@ -88,7 +88,7 @@ class Scene(Protocol):
 
     @property
     def kept_at_start(self) -> FloatArray:
-        """The rotors' constant angular momenta at t = 0, as of `kept`, kg m²/s, (rotors,)."""
+        """The constant angular momenta of the rotors about their axles, kg m²/s, (rotors,)."""
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
         """Return the vector sum of the rotors' angular momenta, kg m²/s, body axes, (n, 3) or (3,).
@@ -101,7 +101,7 @@ class Scene(Protocol):
 
     @property
     def constraint(self) -> Constraint:
-        """The constraint that holds the body; that of a free body holds along no axis."""
+        """The constraint that holds the body; a free body has one that holds along no axis."""
 
     @property
     def inertia(self) -> FloatArray:

@@ -145,7 +145,8 @@ def check(scenario: Scene, stated: StartTable) -> None:
     Raises
     ------
     Misfit
-        If it does not start so, or if a pivot holds the body as well.
+        If the com is not above the table, a stated height or vertical velocity is not that of a
+        body on it, the table would have to pull at the start, or a pivot holds the body as well.
     """
     if PIVOT in scenario.acting:
         raise Misfit("does not go with a pivot: both hold the body; remove one", *WHERE)
