@@ -54,7 +54,7 @@ def compile_march() -> None:
 
 
 def compile_flow() -> None:
-    """Compile the kernels of closed forms and those that `flow`, `following` and `deviations` call."""
+    """Compile the kernels of closed forms, `flow`, `following` and `deviations`."""
     for scenario in _scenes():
         exact = ExactMotion(scenario).outline(scenario.times)
         flow(scenario, exact, np.zeros(len(exact.t)))
