@@ -44,10 +44,10 @@ def transverse(omega: Vector) -> mpc:
 
 
 def with_L_upright(L: Vector) -> CayleyKlein:
-    """Return an attitude that turns the angular momentum L to the world's z axis, with real A.
+    """Return A and B of an attitude that turns the angular momentum L to the world's z axis.
 
-    L is given along the body's axes, with L3 >= 0. The formulas A B* = (−L1 + iL2)/2|L| and
-    |A|² = (1 + L3/|L|)/2 have no difference that cancels.
+    Of these attitudes it is the one with real A. L is given along the body's axes, with L3 >= 0.
+    The formulas A B* = (−L1 + iL2)/2|L| and |A|² = (1 + L3/|L|)/2 have no difference that cancels.
     """
     length = mp.sqrt(dot(L, L))
     A = mp.sqrt((1 + L[2] / length) / 2)

@@ -54,7 +54,7 @@ def compile_march() -> None:
 
 
 def compile_flow() -> None:
-    """Compile the kernels of closed forms, of the flow, and of integrators of other equations."""
+    """Compile the kernels of closed forms, `flow`, `following` and `deviations`."""
     for scenario in _scenes():
         exact = ExactMotion(scenario).outline(scenario.times)
         flow(scenario, exact, np.zeros(len(exact.t)))
@@ -65,7 +65,10 @@ def compile_flow() -> None:
 
 
 def compile_kernels() -> None:
-    """Call each kernel once, except those of sensitivities, so that numba compiles or loads it."""
+    """Call each kernel once, except those of sensitivities, so that numba compiles or loads it.
+
+    An empty file then marks the folder of machine code as complete.
+    """
     compile_march()
     compile_flow()
     if FOLDER is not None:

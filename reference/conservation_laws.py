@@ -43,13 +43,22 @@ class InvariantScales:
 
     @cached_property
     def rate(self) -> float:
-        """|ω| at t = 0, plus 2√(M g l/I) for a pendulum's fall from the top, rad/s."""
+        """An upper estimate of ‖ω‖, rad/s: ‖ω‖ at t = 0 plus 2√(M g l/I).
+
+        The second term is the rate that a pendulum gains in falling from the top to the bottom.
+        M g l is the largest torque of gravity, `pull`, and I the least principal moment.
+        """
         fall = 2 * np.sqrt(self.pull / float(min(self.problem.moments)))
         return float(norm(self.problem.omega_axes)) + float(fall)
 
     @cached_property
     def angular_momentum(self) -> float:
-        """|L| at t = 0, plus 2√(M g l I) for a fall, plus the impulse of torques, kg m²/s."""
+        """An upper estimate of ‖L‖, kg m²/s: ‖L‖ at t = 0, plus 2√(M g l I), plus ‖τ‖ t.
+
+        The second term is what a pendulum with the greatest principal moment I gains in falling
+        from the top to the bottom; the third is the impulse of the constant torques τ within the
+        window's length t.
+        """
         fall = 2 * np.sqrt(self.pull * float(max(self.problem.moments)))
         torque = float(norm(self.problem.torque_world) + norm(self.problem.torque_axes))
         impulse = torque * self.duration
@@ -75,7 +84,7 @@ class InvariantScales:
 
     @cached_property
     def radius(self) -> float:
-        """Radius of gyration about the fixed point, √(tr I/2m), m."""
+        """Radius of gyration √(tr I/2m), m, about the pivot, or about the com without one."""
         trace = float(sum(self.problem.moments))
         return float(np.sqrt(trace / (2 * self.scenario.body.mass)))
 
@@ -86,7 +95,10 @@ class InvariantScales:
 
     @cached_property
     def up_world(self) -> FloatArray:
-        """Unit vector (3,): the table's normal, or else −g/|g|, for which g must not be zero."""
+        """The upward vertical, world axes, unit vector (3,).
+
+        On a table it is the normal of the table, otherwise −g/|g|, for which g must not be zero.
+        """
         return UP_WORLD if self.problem.slides else up_world(self.problem)
 
     @property
@@ -126,7 +138,7 @@ class Law:
 
 
 def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return T + V less the work of drives, J, (n,)."""
+    """Return T + V less the work of the motors that keep the spins of driven rotors, J, (n,)."""
     total = energy_of(scene.scenario, motion)
     for work in filter(None, (effect.work for effect in scene.scenario.acting)):
         total = total - work(scene.scenario, motion)
@@ -150,7 +162,10 @@ def _L_vertical(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _L_axial(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return L along the axis less the impulse of the body's torque about it, kg m²/s, (n,)."""
+    """Return L along the axis of a symmetric top less τ3 t, kg m²/s, (n,).
+
+    τ3 is the component of the torque fixed in the body along this axis, and τ3 t its impulse.
+    """
     axis_world = motion.R_world_body.apply(scene.axis_body)
     L_world = angular_momentum_world(scene.scenario, motion)
     impulse = motion.t * (scene.scenario.pushed["torque_body"] @ scene.axis_body)
@@ -195,7 +210,7 @@ def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 def _is_left(law: str) -> Callable[[InvariantScales], bool]:
     """Return a function that tells whether no effect of a scene breaks the law of a given name.
 
-    An effect that turns the body breaks all laws that its `keeps` does not name.
+    An effect that turns the body breaks all laws except those in its `EffectTerms.keeps`.
     """
     return lambda scene: all(law in TERMS[name].keeps for name in turning(scene.problem))
 

@@ -182,7 +182,10 @@ def _longest_step(scenario: Scenario) -> float:
 
 
 def _sizes(scenario: Scenario) -> FloatArray:
-    """Return the size of each entry of the state, SI, (13,); a step's errors are relative to it."""
+    """Return typical sizes of the entries of the state (ω, q, r, v), SI, (13,).
+
+    The absolute error that is allowed in a step is in proportion to them.
+    """
     duration = scenario.window.duration
     pull = np.linalg.norm(scenario.gravity_world)
     speed = np.linalg.norm(scenario.start.omega_body) + 1 / duration

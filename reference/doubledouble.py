@@ -76,7 +76,10 @@ def dd_neg(a: DoubleDouble) -> DoubleDouble:
 
 @kernel
 def dd_add(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
-    """Return a + b within 4 u², even where they cancel (Joldes, Muller & Popescu, algorithm 6)."""
+    """Return a + b with a relative error of at most 4 u², u = 2⁻⁵³, even where a and b cancel.
+
+    The algorithm is number 6 of Joldes, Muller & Popescu.
+    """
     s, e = two_sum(a[0], b[0])
     t, f = two_sum(a[1], b[1])
     s, e = quick_two_sum(s, e + t)
@@ -85,9 +88,10 @@ def dd_add(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
 
 @kernel
 def dd_mul(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble:
-    """Return a b within 7 u² (as Joldes, Muller & Popescu, algorithm 11, with every sum fused).
+    """Return a b with a relative error of at most 7 u², u = 2⁻⁵³.
 
-    The product of the low parts, u², is left out; the two roundings add 2 u² and 3 u².
+    It is algorithm 11 of Joldes, Muller & Popescu with fused multiply-adds. The product of the low
+    parts, u² at most, is left out; rounding of the two fused operations adds 2 u² and 3 u².
     """
     p, e = two_prod(a[0], b[0])
     return quick_two_sum(p, fma(a[0], b[1], fma(a[1], b[0], e)))

@@ -34,9 +34,14 @@ class Dual(NamedTuple):
 
 
 def of_duals(in_double: Any) -> Callable[[Any], Any]:
-    """Decorate a function so that compiled code runs it in place of `in_double` on duals.
+    """Return a decorator for the function that compiled code runs on duals for `in_double`.
 
-    The type of the first argument decides.
+    Compiled code calls `in_double` by name in any case. It runs the decorated function instead if
+    the first argument of that call is a dual.
+
+    Parameters
+    ----------
+    in_double : the function that does the same with doubles
     """
 
     def decorate(in_duals: Any) -> Any:

@@ -26,7 +26,9 @@ ODD_SINE, ODD_COSINE, EVEN_SINE, EVEN_COSINE = range(4)
 
 @dataclass(frozen=True)
 class Lattice:
-    """The periods that belong to a parameter m, in mpmath's precision when they are first used.
+    """The periods of the elliptic functions of parameter m.
+
+    They are computed at first use, in the working precision that mpmath has then.
 
     Attributes
     ----------
@@ -53,13 +55,19 @@ class Lattice:
 
     @cached_property
     def nome(self) -> mpf:
-        """q = exp(−π K'/K), or q' = exp(−π K/K') where `hyperbolic` (DLMF 20.9.1)."""
+        """The nome of the theta series: q = exp(−π K'/K), or q' = exp(−π K/K') if `hyperbolic`.
+
+        See DLMF 20.9.1.
+        """
         long, short = (self.K, self.K1) if self.hyperbolic else (self.K1, self.K)
         return mpf(0) if mp.isinf(long) else mp.exp(-mp.pi * long / short)
 
     @cached_property
     def scale(self) -> mpf:
-        """x/u, from the argument u of sn to that of series, x: π/2K, or π/2K' if `hyperbolic`."""
+        """The ratio x/u of the argument x of the theta series to the argument u of sn.
+
+        It is π/2K, or π/2K' if `hyperbolic`.
+        """
         return mp.pi / (2 * (self.K1 if self.hyperbolic else self.K))
 
     @property

@@ -100,8 +100,8 @@ def flow_each(
 
     Parameters
     ----------
-    constants, inverses : the doubles of what `taylor.constants_of` and `inverses_to` return; the
-        row of `constants` for the rotors' angular momentum is overwritten
+    constants, inverses : the first of the two arrays, high parts, that `taylor.constants_of` and
+        `taylor.inverses_to` return; the row of `constants` for h is overwritten
     terms : which terms the equations of motion have
     states : ω, rad/s, and q, w x y z, of each state, principal axes, (n, STATE); overwritten
     momenta : for each state the constant angular momentum h of the rotors, kg m²/s, principal axes,

@@ -170,7 +170,11 @@ def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> Fl
 
 @called
 def _fill_rates(e: FloatArray, states: FloatArray, kept: FloatArray, made: FloatArray) -> None:
-    """Write the rates at all states into `made`; the arrays are those of `rates`."""
+    """Write the rates of change of S states into `made`, (S, 6), as `rates` returns them.
+
+    `e` has the equations' numbers, from `all_numbers`; the rotors' momentum in it is overwritten by
+    that of each state in `kept`, (S, 3).
+    """
     for s in range(states.shape[0]):
         put(vector(kept[s], 0), e, KEPT)
         turned, accelerated = rates_of(e, states[s])
@@ -224,8 +228,8 @@ def _step(
 ) -> None:
     """Replace the state y by that after a step of length h.
 
-    The numbers from `a` to `keeps_length` are those of an `Integrator`; k and at are workspace for
-    the stages and for a state.
+    `e` has the equations' numbers, from `all_numbers`; those from `a` to `keeps_length` are the
+    attributes of an `Integrator`. k and at are workspace for the stages and for a state.
     """
     for n in range(b.size):
         for i in range(7):

@@ -44,12 +44,15 @@ SIGN_CHANGE = mpf(1) / 2  # a change of sign in each half period, as a phase in 
 
 @dataclass(frozen=True)
 class JacobiMotion:
-    """Constants of ω(t) of a free body along the axes e1, e2, e3 that the module defines.
+    """The constants of ω = (s a1 cn, a2 sn, a3 dn)(u | m), u = p t + u0, of a free body.
+
+    The components are along the principal axes e1, e2, e3 that the module defines: e2 is that of
+    the middle moment, and ω circulates about e3.
 
     Attributes
     ----------
     moments : I1, I2, I3, kg m²
-    amplitudes : s a1, a2, a3: the factors of cn, sn and dn, rad/s
+    amplitudes : s a1, a2, a3, rad/s, with s = 1 if I2 > I1, else −1
     p : du/dt, rad/s
     lattice : periods of the elliptic functions of parameter m
     sin_squared, cos_squared : sn² and cn² at t = 0
@@ -66,7 +69,7 @@ class JacobiMotion:
 
     @property
     def u0(self) -> mpf:
-        """u at t = 0, in [−K, K]."""
+        """The argument u of sn, cn and dn at t = 0, in [−K, K], with K the quarter period."""
         u = first_kind(self.sin_squared, self.cos_squared, self.lattice.m1)
         return u if self.rising else -u
 
@@ -178,7 +181,9 @@ def _closed_form(
 def _attitude(
     body: JacobiMotion, clock: Clock, functions: Jacobi, start: CayleyKlein, omega: Vector
 ) -> tuple[Quotient, Quotient, mpf]:
-    """Return A and B as quotients of theta functions, and the sum of their relative residuals.
+    """Return the Cayley–Klein parameters A and B as theta quotients, and a residual.
+
+    The residual is the sum of the relative residuals of both quotients.
 
     Parameters
     ----------
@@ -190,7 +195,7 @@ def _attitude(
     def at(x: mpf) -> tuple[CayleyKlein, tuple[mpc, mpc]]:
         """Return A, B, A' and B' at an argument x, up to one phase factor common to all.
 
-        It is chosen so that A is real, and cancels in A'/A and B'/B.
+        The factor makes A real. It cancels in A'/A and B'/B.
         """
         sn, cn, dn = functions(x)
         (a1, a2, a3), (I1, I2, I3) = body.amplitudes, body.moments
@@ -216,9 +221,9 @@ def _attitude(
 
 
 def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
-    """Return the imaginary parts y of u at which A and B vanish.
+    """Return the imaginary parts y of u at which the Cayley–Klein parameters A and B vanish.
 
-    A vanishes where L3 = −|L|, and B where L3 = |L|.
+    A vanishes where the component of L along e3 is L3 = −|L|, and B where L3 = |L|.
 
     With c = I3 a3/|L|, L3 = |L| at u = iy means c dn(iy|m) = 1. As dn(iy|m) = dn/cn(y|m1) (DLMF
     22.6.12), tan² am y = (1 − c²)/(m c²) for B; A vanishes at y − 2K'. If ω circulates about the

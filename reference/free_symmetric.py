@@ -25,8 +25,10 @@ from .theta_quotients import ClosedForm, Frames
 def free_symmetric(problem: Problem) -> ClosedForm:
     """Return the motion of a free body with two or three equal moments.
 
-    It precesses about L at |L|/I1 and spins about the axis e3 at γ' = ω3 (1 − I3/I1):
-    q(t) = exp(L t/2 I1) q(0) exp(e3 γ' t/2).
+    With I1 the moment across the axis e3 of symmetry and I3 the one about it, the body precesses
+    about L at |L|/I1 and spins about e3 at γ' = ω3 (1 − I3/I1):
+    q(t) = exp(L t/2 I1) q(0) exp(e3 γ' t/2). If all moments are equal, or ω is along L, it rotates
+    about a fixed axis.
 
     Raises
     ------

@@ -76,7 +76,7 @@ class HeavySymmetricTop:
     def roots(self) -> Vector:
         """The zeros u1 ≤ u2 ≤ 1 ≤ u3 of u̇² as a cubic in u = cos β.
 
-        They are computed as distances from the pole nearer to the top's axis, as in `nutation`, so
+        They are computed as distances from the pole u = 1 or u = −1 that is nearer to the start, so
         that roots close to this pole stay distinct however close they are to each other.
         """
         with mp.workdps(ROOT_DIGITS):
@@ -200,7 +200,7 @@ def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
 
 
 def steady_precession_rates(top: HeavySymmetricTop, cos_beta: mpf) -> tuple[float, ...]:
-    """Return the rates Ω at which a top with this p_γ precesses steadily at an angle, rad/s.
+    """Return the rates Ω, rad/s, at which a top of this p_γ can precess steadily at a given tilt β.
 
     They are the roots of I1 cos β Ω² − p_γ Ω + κ = 0 (Goldstein §5.7; Klein & Sommerfeld, Theory of
     the Top, ch. V), the slow one first. There are none, one or two; they are real where

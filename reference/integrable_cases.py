@@ -39,7 +39,8 @@ Frame = tuple[Vector, Vector, Vector]
 def kovalevskaya_frame(problem: Problem) -> Frame | None:
     """Return the axes e1, e2, e3 of a Kovalevskaya top, in principal components.
 
-    They are the axes that the module defines. The result is None for any other top.
+    e1 points to the com, and e3 is along the axis of the moment that differs from the other two.
+    The result is None for any other top.
     """
     return _equatorial_frame(problem, KOVALEVSKAYA_RATIO)
 
@@ -47,6 +48,7 @@ def kovalevskaya_frame(problem: Problem) -> Frame | None:
 def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
     """Return the axes e1, e2, e3 of a Goryachev–Chaplygin top, in principal components.
 
+    e1 points to the com, and e3 is along the axis of the moment that differs from the other two.
     The result is None for any other top, and if L·ĝ is not 0 at t = 0.
     """
     frame = _equatorial_frame(problem, GORYACHEV_CHAPLYGIN_RATIO)
@@ -59,7 +61,14 @@ def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
 
 
 def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
-    """Return Kovalevskaya's constant along a trajectory, rad⁴/s⁴, (n,); `frame` has e1, e2, e3."""
+    """Return Kovalevskaya's constant along a trajectory, rad⁴/s⁴, (n,).
+
+    It is |(ω1 + iω2)² − (M g l/I3)(γ1 + iγ2)|², with γ the upward vertical, along e1, e2, e3.
+
+    Parameters
+    ----------
+    frame : e1, e2, e3, as `kovalevskaya_frame` returns them
+    """
     omega, gamma = _along(problem, frame, motion)
     spin = (omega[:, 0] + 1j * omega[:, 1]) ** 2
     weight = pull_over_third_moment(problem, frame) * (gamma[:, 0] + 1j * gamma[:, 1])
@@ -69,7 +78,11 @@ def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArr
 def goryachev_chaplygin(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
     """Return the Goryachev–Chaplygin constant along a trajectory, rad³/s³, (n,).
 
-    `frame` has e1, e2, e3.
+    It is ω3(ω1² + ω2²) − (M g l/I3) ω1 γ3, with γ the upward vertical, along e1, e2, e3.
+
+    Parameters
+    ----------
+    frame : e1, e2, e3, as `goryachev_chaplygin_frame` returns them
     """
     omega, gamma = _along(problem, frame, motion)
     weight = pull_over_third_moment(problem, frame)
@@ -78,7 +91,7 @@ def goryachev_chaplygin(problem: Problem, frame: Frame, motion: Trajectory) -> F
 
 
 def pull_over_third_moment(problem: Problem, frame: Frame) -> float:
-    """Return M g l/I3, the factor c/I3 in both constants of motion, s⁻²."""
+    """Return M g l/I3, s⁻²: a factor in both constants of motion, with I3 the moment about e3."""
     with mp.workdps(DIGITS):
         return float(gravity_torque_scale(problem) / moment_about(problem, frame[2]))
 

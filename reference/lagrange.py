@@ -75,9 +75,10 @@ def lagrange(problem: Problem) -> ClosedForm:
 
 
 def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
-    """Return the frames of A and B: one in the world with z upward, and one in the top.
+    """Return the rotations from the two frames that the Cayley–Klein parameters A and B relate.
 
-    The axes of the latter are `triad`, in principal components.
+    One frame is fixed in the world, with z upward. The other is fixed in the top; its axes are
+    `triad`, in principal components.
     """
     up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
     return Frames(conjugate(_upright(up_world)), from_matrix(triad), triad)
@@ -107,7 +108,8 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
     ----------
     start : the attitude at t = 0
     omega : ω along the axes of the top's frame at t = 0, rad/s
-    rate : √(κ/I1), rad/s; ω across the axis counts as zero if it is negligible beside rate + |ω3|
+    rate : √(M g l/I1), rad/s; ω across the axis counts as zero if it is negligible beside
+        rate + |ω3|
     """
     near = min(abs(start.A), abs(start.B))
     return equal(near, 0, 1) and equal(abs(transverse(omega)), 0, rate + abs(omega[2]))
@@ -170,9 +172,10 @@ def _swinging(
 def _starts(
     start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> tuple[InitialValue, InitialValue, InitialValue]:
-    """Return A, B and W at t = 0, with their derivatives; the parameters are as in `_swinging`.
+    """Return A, B and W = ω2 + iω1 at t = 0, with their derivatives.
 
-    W' follows from Euler's equations: W' = i (ω3 − d) W + b A B*.
+    A and B are the Cayley–Klein parameters. By Euler's equations W' = i (ω3 − d) W + b A B*, with b
+    and d of `Constants`. The parameters are as in `_swinging`.
     """
     W = transverse(omega)
     W_rate = mpc(
@@ -185,10 +188,11 @@ def _starts(
 def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
     """Return the numerators of A, B and W: θ1 or θ2, shifted along the imaginary axis by y.
 
-    A vanishes where u = cos β is −1: at the argument iy with sc²(y|m1) = (1 + u1)/(u2 − u1). B
-    vanishes where u is 1, and W where u is U: at K + iy with nd²(y|m1) = (u − u1)/(u2 − u1). These
-    give the sine and cosine of the amplitude of y. On the separatrix, m1 = 0, the series of θ2 is
-    a constant, whatever y is.
+    u = cos β moves between u1 and u2. A vanishes where u is −1: at the argument iy with
+    sc²(y|m1) = (1 + u1)/(u2 − u1). B vanishes where u is 1, and W = ω2 + iω1 where u is a constant
+    U: both at K + iy with nd²(y|m1) = (u − u1)/(u2 − u1). The functions sc and nd give the sine and
+    cosine of the amplitude of y. On the separatrix, m1 = 0, the series of θ2 is a constant,
+    whatever y is.
     """
     lattice, below, above = swing.lattice, swing.below, swing.above
     y_A = first_kind(above[0] / above[1], swing.u21 / above[1], lattice.m)
@@ -225,7 +229,8 @@ def _log_rates(
 ) -> tuple[LogRate, LogRate, LogRate]:
     """Return A'/A, B'/B and W'/W, 1/s, as functions of the argument x of the theta functions.
 
-    They follow from u, u̇ and the constants of motion. The parameters are as in `_swinging`.
+    A and B are the Cayley–Klein parameters, and W = ω2 + iω1. The quotients follow from u = cos β,
+    u̇ and the constants of motion. The parameters are as in `_swinging`.
     """
     functions, spin = jacobi(swing.lattice), omega[2] - constants_of_motion.d
 

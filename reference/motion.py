@@ -78,7 +78,9 @@ def assembled(
 
 
 def along_axes(problem: Problem, motion: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """Return a motion's attitude and ω along the principal axes: the inverse of `motion`.
+    """Return attitude and ω of a trajectory along the principal axes.
+
+    This is the inverse of the function `motion` of this module.
 
     Returns
     -------

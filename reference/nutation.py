@@ -27,13 +27,17 @@ from .symmetry import equal
 class Constants(NamedTuple):
     """A top's constants of motion and its state at t = 0, with heights measured from a pole.
 
+    The height is u = cos β = σ (1 − δ), with δ the distance from the pole u = σ. W = ω2 + iω1 is
+    the part of ω across the top's axis.
+
     Attributes
     ----------
     pole : σ, 1 for the upper pole, −1 for the lower
-    b, d : b and d of the module's equations, s⁻² and 1/s
+    b, d : 2 M g l/I1, s⁻², and I3 ω3/I1, 1/s
     excess : |W|² of the top at the pole by conservation of energy, s⁻²; negative if the energy is
         too low to reach the pole
-    e : c − σ d, 1/s: zero for a top that can reach the pole
+    e : c − σ d, 1/s, with c the upward component of L divided by I1; zero for a top that can reach
+        the pole
     delta : δ at t = 0
     W_squared : |W|² at t = 0, s⁻²
     rising : whether u̇ >= 0 at t = 0
@@ -66,13 +70,14 @@ class Constants(NamedTuple):
 def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
     """Return the constants that follow from a start, with heights measured from one of the poles.
 
-    The pole is the nearer one, or the upper one if the energy is just enough to reach it.
+    The pole is the nearer one, or the upper one if the top has just the energy and the angular
+    momentum to reach it.
 
     Parameters
     ----------
     start : the attitude at t = 0
     omega : ω along the axes of the top's frame at t = 0, rad/s
-    b, d : b and d of the module's equations, s⁻² and 1/s
+    b, d : 2 M g l/I1, s⁻², and I3 ω3/I1, 1/s
     """
     upper = _constants_from(1, start, omega, b, d)
     if upper.delta <= 1 or (upper.excess == 0 and upper.e == 0):
@@ -106,13 +111,13 @@ def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf
 
 
 class Nutation(NamedTuple):
-    """The nutation of a top's axis between u1 and u2, as the module's equations describe it.
+    """The nutation of a top's axis: u = cos β = u1 + (u2 − u1) sn²(p t + u0 | m).
 
     Attributes
     ----------
-    below, above : 1 − u, and 1 + u, at each of u1, u2, u3
+    below, above : 1 − u, and 1 + u, at each of u1, u2, u3, the zeros of u̇² as a cubic in u
     u21, u31, u32 : u2 − u1, u3 − u1, u3 − u2
-    U2 : U − u2
+    U2 : U − u2, with U the u at which ω would have no part across the top's axis
     p : rate of the argument p t + u0, 1/s
     lattice : periods of the elliptic functions of parameter m
     sin_squared, cos_squared : sn² and cn² at t = 0
@@ -155,11 +160,11 @@ def nutation(start: Constants) -> Nutation | None:
 
 
 def turning_points(pole: int, b: mpf, d: mpf, excess: mpf, e: mpf) -> Vector:
-    """Return δ, the distance from a pole, of u1, u2 and u3.
+    """Return the distances δ from a pole of u1, u2 and u3, the zeros of u̇² as a cubic in u.
 
-    They are the zeros of (excess + sδ) δ(2 − δ) − (e + gδ)², s = σb, g = σd, with u = σ(1 − δ).
-    The largest comes from Viète's cosines (DLMF 1.11.iii; all are real). Division by it leaves a
-    quadratic, whose roots are accurate even if they are smaller by many orders.
+    With u = cos β = σ(1 − δ), σ = `pole`, they are the zeros of (excess + sδ) δ(2 − δ) − (e + gδ)²,
+    s = σb, g = σd. The largest comes from Viète's cosines (DLMF 1.11.iii; all are real). Division
+    by it leaves a quadratic, whose roots are accurate even if they are smaller by many orders.
 
     Parameters
     ----------

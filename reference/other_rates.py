@@ -56,7 +56,8 @@ HAS_TORQUE_OF_ATTITUDE = OtherEquations.has_torque_of_attitude.first
 def all_numbers(equations: OtherEquations) -> FloatArray:
     """Return all numbers of E sets of equations of motion, (E, n), as kernels take them.
 
-    `has_torque_of_attitude` is set in them, as it would be costly to find out in each step.
+    A single set gives one row, (1, n). The number `has_torque_of_attitude` is set in each row, as
+    it would be costly to find out in each step.
     """
     numbers = np.array(np.atleast_2d(equations.numbers), order="C")
     # The numbers of attitude torque, spring and gravity gradient are adjacent.
@@ -139,12 +140,15 @@ def rotation_of(q: FloatArray) -> Matrix:
 def by_tensor(e: FloatArray, tensor: int, R: Matrix, v: Vector) -> Vector:
     """Return the product of a tensor and a vector v, both along body axes.
 
-    The tensor may be constant along body axes or, in wrong equations, along others: the number
-    `OtherEquations.tensor_turns` says how often R turns v first.
+    The tensor is constant along body axes or, in wrong equations, along others: v is turned by R
+    as often as `OtherEquations.tensor_turns` says, multiplied by the tensor's entries, and turned
+    back by Rᵀ as often.
 
     Parameters
     ----------
+    e : numbers of the equations
     tensor : index at which the tensor begins in `e`
+    R : the attitude, body to world
     """
     turns = int(e[TENSOR_TURNS])
     for _ in range(turns):
@@ -283,8 +287,8 @@ def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
 def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
     """Return the angular velocity at which the attitude turns, rad/s, body axes.
 
-    In correct kinematics it is ω. In wrong ones, which `OtherEquations.kinematics` selects, it is
-    another vector.
+    It is ω if the equations are right. The entries `turning`, `body_turns`, `world_turns` and
+    `kinematics` of `OtherEquations` can make it another vector.
     """
     omega = _times(matrix(e, TURNING), omega)
     kinematics = e[KINEMATICS]

@@ -55,6 +55,7 @@ class Change:
 def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Change]:
     """Return, by name, how much a problem changes for one unit of each start number and parameter.
 
+    The names are "attitude", "omega", "inertia", "mass", "com", and those of effects' parameters.
     For a vector the value is a list with a change for each component, for a scalar a single change.
     Mass, com and inertia are those of the scene's `[body]`, without rotors; the inertia is about
     that body's com.

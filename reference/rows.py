@@ -40,7 +40,10 @@ class Entry:
     def __get__(self, rows: "Rows", owner: type["Rows"]) -> FloatArray: ...
 
     def __get__(self, rows: "Rows | None", owner: type["Rows"]) -> "Entry | FloatArray":
-        """Return the entry's values: `shape` for one object, (H, *`shape`) for H objects."""
+        """Return the entry's values: `shape` for one object, (H, *`shape`) for H objects.
+
+        If the attribute is read from the class, without rows, the entry itself is returned.
+        """
         if rows is None:
             return self
         numbers = rows.numbers[..., self.first : self.last]

@@ -151,10 +151,11 @@ def _increasing(times: FloatArray) -> FloatArray:
 
 
 def _part(together: Solution, times: FloatArray) -> Solution:
-    """Return the part of a solution at `times`, some of its own, up to the solution's horizon.
+    """Return the part of a solution at `times`, up to the solution's horizon.
 
-    If the part ends before the last of these times, its horizon is the time of lift-off, or else
-    the first of these times from the solution's horizon on.
+    All of `times` must be among those the solution was computed at. If the part ends before the
+    last of these times, its horizon is the time of lift-off, or else the first of these times from
+    the solution's horizon on.
     """
     count = (
         len(times) if together.horizon is None else int(np.searchsorted(times, together.horizon))
@@ -210,12 +211,12 @@ def _solve_closed(
 
 
 def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -> Errors:
-    """Return how far the motion by a closed form is from that by the ODE, while that is accurate.
+    """Return how far a closed form is from the ODE's solution, while the latter is accurate.
 
     Beside a saddle the ODE's solution is inaccurate: its rounding error grows, and that of the
     closed form does not. If the two differ by more than rounding, the closed form is compared with
     the series of `FINE_ORDERS` instead, up to the sample where the series of `TRUTH_ORDERS` departs
-    from it.
+    from that of `FINE_ORDERS`.
     """
 
     def by_ode(orders: Orders) -> Trajectory:
@@ -281,7 +282,7 @@ def _solve_ode(scenario: Scenario, problem: Problem, times: FloatArray) -> Solut
 
 
 def _by_series(scenario: Scenario, problem: Problem, times: FloatArray) -> Solution:
-    """Return the solution by the ODE, without its conditioning, which takes twice as long.
+    """Return the solution by the ODE, without its conditioning, which would take twice as long.
 
     Conditioning is NaN, and uncertainty does not include the errors that `rounding_of` returns.
     """

@@ -52,13 +52,17 @@ def regular_precession(
 ) -> ClosedForm:
     """Return the closed form of steady precession and spin at a constant tilt.
 
+    A and B are the Cayley–Klein parameters, and α, β, γ the Euler angles ZYZ, as in `cayley_klein`.
+    |A|, |B| and ω3 are constant, and so is |W|, with W = ω2 + iω1. The equation
+    A' = ½ (iω3 A − W B) makes W proportional to A B*, so that the phase of W changes at the rate of
+    A's phase less that of B's, which is γ'.
+
     Parameters
     ----------
-    frames : the frame fixed in the top and the one fixed in the world that A and B relate
+    frames : rotations that relate the frames of A and B to the world and to the principal axes
     start : A and B at t = 0
     omega : angular velocity at t = 0 along the axes of the top's frame, rad/s
-    rates : rates of the phases of A and B, rad/s, (α' + γ')/2 and (α' − γ')/2. As A' is
-        ½ (iω3 A − W B), W is proportional to A B*: its phase has the difference γ' of these rates
+    rates : rates of the phases of A and B, (α' + γ')/2 and (α' − γ')/2, rad/s
     """
     of_A, of_B = rates
     quotients = (

@@ -61,7 +61,7 @@ LOWER = 4
 
 @kernel
 def _move(series: Dual, tensor: Table, n: int) -> None:
-    """Write order n of the series of δI ω; `tensor` is δI."""
+    """Write order n of the series of δI ω; `tensor` is δI, the derivative of the inertia tensor."""
     for i in range(3):
         moved = zero(series.value)
         for j in range(3):
@@ -73,7 +73,10 @@ def _move(series: Dual, tensor: Table, n: int) -> None:
 def _add_inertia(
     series: Dual, constants: Dual, inverses: Dual, terms: Terms, tensor: Table, n: int
 ) -> None:
-    """Add the contribution of a change δI to order n of δω'; order n of ω' must be known."""
+    """Add what a change δI of the inertia contributes to order n of δω' and order n + 1 of δω.
+
+    δω is the derivative of ω. Order n of ω', and of δω' at constant inertia, must be known.
+    """
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)
     for i in range(3):
@@ -107,7 +110,7 @@ def _tangent_step(tangent: FloatArray, order: int) -> float:
 
     Term n must be at most e⁻²⁽ⁿ⁻ᵏ⁾ of one of the lower terms k, for ω and for q. It is not compared
     with term 0 alone, because that may be zero: a derivative may be zero at first, and that of a
-    body at rest may grow.
+    body at rest may grow. The step is 0 if one of these terms is not finite.
     """
     radius = np.inf
     for first, last in ((OMEGA, OMEGA + 3), (Q, Q + 4)):
@@ -145,11 +148,17 @@ def march_with_tangent(
 
     Parameters
     ----------
-    constants, inverses : as for `march`, each with its derivative by the parameter as the tangent
-    terms, paired, clock, times, first, steps : as for `march`
+    constants, inverses : the constants of the equations, and the table of 1/n, 1/(2n) and n, each
+        with its derivative by the parameter as the tangent
+    terms : which terms the equations of motion have
     tensor : δI, the derivative of the tensor of inertia, kg m², principal axes, (3, 3)
+    paired : number of orders that are in double-double
     series : order 0 has the state and its derivative at the time `clock`; it is overwritten
+    clock : the time, as high and low part, s, (2,); it is advanced
+    times : sample times, s, (n,)
     states, tangents : the states and their derivatives, doubles, which are written, (n, STATE) each
+    first : index of the first sample to write
+    steps : largest number of steps
 
     Returns
     -------

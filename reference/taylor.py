@@ -105,7 +105,7 @@ def integrate(
 
     Returns
     -------
-    q_world_axes (n, 4), w x y z and omega_axes (n, 3), rad/s
+    q_world_axes, (n, 4), w x y z, and omega_axes, (n, 3), rad/s
 
     Raises
     ------

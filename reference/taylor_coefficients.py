@@ -186,7 +186,10 @@ def _dot(series: Table, n: int, left: int, right: int) -> Number:
 
 @kernel
 def _press(series: Table, constants: Table, n: int) -> None:
-    """Write order n of f, a table's force divided by the mass, and of all series it depends on."""
+    """Write order n of f = N/m, and of all series that f depends on.
+
+    N is the normal force of the plane that the body's tip slides on, and m the body's mass.
+    """
     rate = cross_omega(series, UP, n)
     for i in range(3):
         store(series, n, UP_RATE + i, rate[i])
@@ -214,7 +217,10 @@ def _press(series: Table, constants: Table, n: int) -> None:
 
 @kernel
 def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
-    """Return order n of component i of ω' on a table, u + f e."""
+    """Return order n of component i of ω' of a body on a plane, u + f e.
+
+    u is ω' without the normal force, f this force divided by the mass, and f e what it adds.
+    """
     total = load(series, n, OTHER + i)
     for k in range(n + 1):
         gain = load(series, n - k, GAIN + i)
@@ -224,9 +230,10 @@ def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
 
 @kernel
 def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
-    """Add a table's force to order n + 1 of ω, given order n of ω' without the force.
+    """Write order n + 1 of ω of a body on a plane, given order n of ω' without the normal force.
 
-    `extend` repeats these lines, because a call there costs a fifth of the time.
+    Nothing is written if `terms` has no such plane. `extend` repeats these lines, because a call
+    there costs a fifth of the time.
     """
     if terms.world_vectors[ON_TABLE]:
         _press(series, constants, n)
@@ -275,8 +282,8 @@ def _scaled_plus_cross(scale: Number, a: Vector, b: Vector) -> Vector:
 def see_world_vector(series: Table, constants: Table, row: int, column: int) -> None:
     """Write order 0 of q̄ v q: a vector v that is constant in the world, along the principal axes.
 
-    With u = v q it is q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that assume |q| = 1 are shorter, but
-    disagree with Γ' = Γ × ω where rounding has changed |q|; in this formula |q| only scales Γ.
+    With u = v q the result is Γ = q₀ u⃗ + u⃗ × q⃗ + (v · q⃗) q⃗. Formulas that assume |q| = 1 are
+    shorter, but disagree with Γ' = Γ × ω where rounding has changed |q|; here |q| only scales Γ.
 
     Parameters
     ----------

@@ -23,9 +23,15 @@ FOR_DUALS: dict[Callable[..., Any], Callable[..., Any]] = {}
 
 
 def for_pairs(in_double_double: Callable[..., Any]) -> Callable[[Any], Any]:
-    """Decorate a function for doubles so that compiled code runs another function on pairs.
+    """Return a decorator for a function on doubles, for which compiled code may run another one.
 
-    The type of the first argument decides; for duals the body in `FOR_DUALS` is run.
+    Compiled code calls the decorated function by name. What is run depends on the first argument
+    of the call, a number or a table: for double-doubles (pairs) it is `in_double_double`, for duals
+    the function in `FOR_DUALS`, and for doubles the decorated function itself.
+
+    Parameters
+    ----------
+    in_double_double : the function that does the same with double-doubles
     """
 
     def decorate(in_double: Any) -> Any:

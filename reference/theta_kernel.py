@@ -62,8 +62,9 @@ class ThetaTables(NamedTuple):
 def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, float]:
     """Return the theta functions' argument at a time t, s, in cells: whole cells, and the rest.
 
-    The rest is a double-double, as high and low part, in [-1/2, 1/2]. For an endless motion the
-    number of whole cells is 0, and the rest is all of the argument.
+    A cell is a half period of sn and cn. The rest is a double-double, as high and low part, in
+    [-1/2, 1/2]. For an endless motion the number of whole cells is 0, and the rest is all of the
+    argument.
     """
     p, e = two_prod(t, clock[0, 0])
     s, f = two_sum(p, clock[1, 0])
@@ -138,7 +139,10 @@ def _product(p: Quaternion, q: Quaternion) -> Quaternion:
 
 @kernel
 def _quotients(t: float, tables: ThetaTables, values: FloatArray) -> None:
-    """Write real and imaginary part of A, B, W and ω3 at a time t, s, into `values`, (ROWS, 2)."""
+    """Write real and imaginary part of A, B, W and ω3 at a time t, s, into `values`, (ROWS, 2).
+
+    A and B are the Cayley–Klein parameters, and W = ω2 + iω1, rad/s.
+    """
     cell, high, low = _cell(t, tables.clock, tables.endless)
     if tables.endless:
         high = min(max(high, -FAR), FAR)

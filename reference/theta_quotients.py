@@ -120,7 +120,9 @@ class InitialValue(NamedTuple):
 
 
 class Frames(NamedTuple):
-    """The rotations from the frames of A, B and W to the world and to the principal axes.
+    """The rotations from the two frames that A and B relate to the world and to the principal axes.
+
+    A and B are the Cayley–Klein parameters, and q(A, B) is their quaternion.
 
     Attributes
     ----------
@@ -147,8 +149,8 @@ def turning(value: mpc, rate: mpf = 0) -> Quotient:
 def over_theta4(real: Harmonics, imaginary: Harmonics, turns_per_cell: mpf) -> Quotient:
     """Return the quotient (real + i imaginary)/θ4, with a phase that changes only between cells.
 
-    `turns_per_cell` is that change from one cell to the next, in turns: 1/2 for a function that
-    changes its sign, else 0.
+    A cell is a half period of sn and cn. `turns_per_cell` is the change of phase from one cell to
+    the next, in turns: 1/2 for a function that changes its sign, else 0.
     """
     return Quotient(real, imaginary, False, 2, mpf(0), mpf(0), turns_per_cell)
 
@@ -208,7 +210,7 @@ def tables(clock: Clock | None, quotients: Sequence[Quotient], frames: Frames) -
     Parameters
     ----------
     clock : the argument of the theta functions; None if all quotients are made by `turning`
-    quotients : A, B, W and ω3
+    quotients : the Cayley–Klein parameters A and B, W = ω2 + iω1, and ω3
     """
     denominator = ONE if clock is None else clock.theta4.real
     rows = [*quotients, over_theta4(denominator, NOTHING, mpf(0))]

@@ -35,7 +35,8 @@ class ErrorSeries:
     def first_beyond(self, name: str, bound: float) -> int | None:
         """Return the index of the first sample at which a signal's distance exceeds a bound.
 
-        A distance that is NaN counts as above the bound. It is None if there is no such sample.
+        A distance that is NaN counts as above the bound. If there is no such sample, the result is
+        None.
 
         Parameters
         ----------

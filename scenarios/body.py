@@ -120,7 +120,16 @@ def body_about_origin(
 ) -> Body:
     """Return a body whose inertia tensor is given about its own origin.
 
-    All else is as for `body_about_com`.
+    Parameters
+    ----------
+    mass : kg
+    com : from the body's origin, m, body axes, (3,)
+    inertia : about the body's origin, kg m², body axes, (3, 3)
+
+    Raises
+    ------
+    ValueError
+        If no such body exists, as for `Body`.
     """
     arm = vector(com)
     return Body(mpf(mass), arm, add(_tensor(inertia), steiner(mpf(mass), arm), sign=-1))

@@ -58,7 +58,7 @@ def validation_message(details: list[ErrorDetails], text: str, where: str) -> st
 
 
 def misfit(error: Misfit, text: str, where: str) -> str:
-    """Return the message about a value that does not fit, with its place in the file.
+    """Return the message of a `Misfit`, with the file, line and key of the wrong value before it.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def _rule(detail: ErrorDetails, keys: Keys) -> str:
 
 
 def _unknown_key(key: str, known_keys: Iterable[str]) -> str:
-    """Return the rule that an unknown key breaks, with the nearest of the known keys as a hint."""
+    """Return the message that a key is unknown, with the nearest known key and a list of all."""
     known_keys = sorted(known_keys)
     close = difflib.get_close_matches(key, known_keys, n=1)
     hint = f"did you mean '{close[0]}'? " if close else ""

@@ -36,7 +36,8 @@ def is_control(character: str) -> bool:
 def printable(text: str, limit: int | None = None) -> str:
     """Return text from outside the program on one line, safe for a terminal.
 
-    Control characters become escapes, and what exceeds `limit` characters is cut off.
+    Control characters become escapes. What exceeds `limit` characters is cut off, unless `limit` is
+    None.
     """
     if limit is not None and len(text) > limit:
         text = f"{text[:limit]}…"

@@ -55,7 +55,10 @@ class Rotor:
 
     @property
     def inertia(self) -> Tensor:
-        """Inertia about the rotor's com, A 1 + (C − A) u uᵀ, kg m²."""
+        """Inertia about the rotor's com, kg m², body axes.
+
+        It is A 1 + (C − A) u uᵀ, with u the axis, and A and C the moments across and along it.
+        """
         zero, A = mpf(0), self.across
         isotropic = ((A, zero, zero), (zero, A, zero), (zero, zero, A))
         return add(isotropic, self.about_axis(self.along - self.across))
@@ -73,7 +76,7 @@ class Rotor:
 
 @dataclass(frozen=True, eq=False)
 class Rotors:
-    """All rotors of a body; false if there are none.
+    """All rotors of a body; as a truth value, whether there are any.
 
     In formulas u is the unit vector of a rotor's axis, body axes, C the rotor's moment of inertia
     about it, kg m², and s its spin, rad/s.
@@ -110,9 +113,9 @@ class Rotors:
 
     @cached_property
     def axial_body(self) -> FloatArray:
-        """C u of each rotor, kg m², (rotors, 3): its spin times this is the spin's part of L.
+        """C u of each rotor, kg m², body axes, (rotors, 3); zero for a locked rotor.
 
-        It is zero for a locked rotor.
+        Multiplied by the rotor's spin it is what the spin adds to the angular momentum L.
         """
         return read_only((self.along * self.is_turning)[:, None] * self.axes_body)
 
@@ -167,7 +170,7 @@ class Rotors:
         They arise in coordinates that turn with a rotor. An engine that uses such coordinates sums
         them, with rounding errors in proportion to their sizes: Σ m r s² of the forces and
         Σ (C + m d r) s² of the torques, with m a rotor's mass, d its distance from the com, and
-        r = d + `far` a bound on that from the coordinates' origin.
+        r = d + `far` a bound on its distance from the coordinates' origin.
 
         Parameters
         ----------
@@ -184,23 +187,29 @@ class Rotors:
     def sizes(self, omega_body: FloatArray) -> tuple[FloatArray, float]:
         """Return sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
-        The size of a rotor's angular momentum is C |s| + C |u·ω| at the start. It is zero only if
-        at the start the rotor turns about its axle neither in the body nor together with it.
+        The size of a rotor's angular momentum is C (|s| + |u·ω|) at the start, and the size of the
+        energy is Σ ½ C (|s| + |u·ω|)². A size is zero only if at the start the rotor turns about
+        its axle neither in the body nor together with it.
 
         Parameters
         ----------
-        omega_body : ω at the start, rad/s, (3,)
+        omega_body : ω at the start, rad/s, body axes, (3,)
         """
         turned = np.abs(self.axes_body @ omega_body)
         kept = np.asarray(self.along * (np.abs(self.start_spins) + turned))
         return kept, float(kept @ (kept / self.along)) / 2
 
     def momentum_body(self, spins: FloatArray) -> FloatArray:
-        """Return Σ C s u, the rotors' part of L by their spins, kg m²/s, body axes, (n, 3)."""
+        """Return Σ C s u, what the rotors' spins add to L, kg m²/s, body axes, (n, 3).
+
+        Parameters
+        ----------
+        spins : spins s of the rotors in n states, rad/s, (n, rotors)
+        """
         return np.asarray(spins @ self.axial_body)
 
     def energy(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ (C s u·ω + ½ C s²), the rotors' part of T by their spins, J, (n,).
+        """Return Σ (C s u·ω + ½ C s²), what the rotors' spins add to the kinetic energy, J, (n,).
 
         Parameters
         ----------
@@ -211,7 +220,9 @@ class Rotors:
         return np.asarray((self.along * spins * (turned + spins / 2)).sum(axis=-1))
 
     def work(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ C s u·ω of driven rotors, J, (n,); its change is the work of their drives.
+        """Return Σ C s u·ω of driven rotors, J, (n,).
+
+        Its change along a motion is the work of the motors that keep their spins constant.
 
         Parameters
         ----------
@@ -257,9 +268,13 @@ def without_free_axes(inertia: Tensor, rotors: Rotors) -> Tensor:
 
 
 def kept_exact(rotor: Rotor, omega_body: Vector) -> mpf:
-    """Return the angular momentum that one rotor keeps, in extended precision, kg m²/s.
+    """Return the constant angular momentum of one rotor about its axle, kg m²/s.
 
-    It is `Rotors.kept` at t = 0, where ω is `omega_body`, rad/s, body axes.
+    It is what `Rotors.kept` returns for t = 0, but in extended precision.
+
+    Parameters
+    ----------
+    omega_body : ω at t = 0, rad/s, body axes
     """
     with mp.workdps(DIGITS):
         turned = dot(rotor.axis, omega_body) if rotor.hinge == "free" else mpf(0)

@@ -13,7 +13,8 @@ _KEY = re.compile(r"^\s*([\w.\-]+)\s*=")
 def line_of(text: str, keys: Keys) -> int | None:
     """Return the line, counted from 1, of a key in a TOML file, or else of the table around it.
 
-    It is the line of the longest prefix of `keys` that the text has; None if it has none.
+    It is the line of the longest prefix of `keys` that the text has, and None if the text has not
+    even the first key.
 
     Parameters
     ----------

@@ -119,7 +119,7 @@ class Scenario:
 
     @cached_property
     def constraint(self) -> Constraint:
-        """The constraint that holds the body; that of a free body holds along no axis."""
+        """The constraint that holds the body; a free body has one that holds along no axis."""
         return _constraint(self.document, self.body)
 
     @property
@@ -135,7 +135,8 @@ class Scenario:
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
 
-        On a free hinge it is that of the spin and of the body's own turn; on others, of the spin.
+        On a free hinge it is C (u·ω + s), with u the unit vector of the axle, C the rotor's moment
+        about it and s its spin; on any other hinge it is C s.
 
         Parameters
         ----------
@@ -146,7 +147,7 @@ class Scenario:
 
     @cached_property
     def kept_at_start(self) -> FloatArray:
-        """The rotors' constant angular momenta at t = 0, as of `kept`, kg m²/s, (rotors,)."""
+        """The constant angular momenta of the rotors about their axles, kg m²/s, (rotors,)."""
         return self.kept(self.start.omega_body, self.start_spins)
 
     @property
@@ -163,12 +164,19 @@ class Scenario:
     def kept_sizes(self) -> tuple[FloatArray, float]:
         """Sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
-        They are those of `Rotors.sizes`, at the start.
+        With C a rotor's moment about its axle u and s its spin at the start, the size of its
+        angular momentum is C (|s| + |u·ω|), and the size of the energy is Σ ½ C (|s| + |u·ω|)².
         """
         return self.rotors.sizes(self.start.omega_body)
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """Return the vector sum of the rotors' momenta `kept`, kg m²/s, body axes, (n, 3)."""
+        """Return the vector sum of the rotors' angular momenta, kg m²/s, body axes, (n, 3) or (3,).
+
+        Parameters
+        ----------
+        kept : constant angular momentum of each rotor about its axle, kg m²/s, (n, rotors) or
+            (rotors,)
+        """
         return self.rotors.kept_body(kept)
 
     def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
@@ -184,7 +192,8 @@ class Scenario:
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
         """Return sizes of forces, N, and torques, N m, that cancel each other, (n,) each.
 
-        They arise in coordinates that turn with the rotors: see `Rotors.cancelling`.
+        They arise in coordinates that turn with the rotors. An engine that uses such coordinates
+        makes rounding errors in proportion to these sizes; the formulas are in `Rotors.cancelling`.
 
         Parameters
         ----------
@@ -293,7 +302,10 @@ def started_at(
     velocity_world: Sequence[float] | FloatArray,
     spins: Sequence[float] | FloatArray | None = None,
 ) -> Scenario:
-    """Return a scene with another state at its start; the rest is as `with_tables` returns it.
+    """Return a scene with another state at its start.
+
+    Its text is written anew, without published values and expectations, which hold only for the
+    original scene.
 
     Parameters
     ----------

@@ -94,7 +94,7 @@ class Signal:
 
     @property
     def shown(self) -> float:
-        """Factor that errors are multiplied by when they are shown: it makes degrees of rad."""
+        """The factor by which errors are multiplied for display: 180/π if in rad, else 1."""
         return math.degrees(1.0) if self.unit == "rad" else 1.0
 
     @property
@@ -117,7 +117,9 @@ class Signal:
         return min(orders[name] for name in self.depends_on)
 
     def growth(self, scene: Scene, exact: Trajectory, conditioning: Errors) -> float:
-        """Return the signal's relative change if each number of the scene changes by one ulp.
+        """Return how much the signal changes if each number of the scene changes by one ulp.
+
+        The change is in the unit of the signal's errors: relative, or rad.
 
         Parameters
         ----------
@@ -158,7 +160,10 @@ def _moved(scene: Scene, exact: Trajectory, growth: Errors) -> tuple[float, floa
 
 
 def _energy_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
-    """Return `Signal.in_flight` of the energy."""
+    """Return the relative change of a free body's energy for changes of its state by one ulp.
+
+    `growth` has the changes that result if only attitude, ω and the body change.
+    """
     metres, metres_a_second = _moved(scene, exact, growth)
     momentum = scene.body.mass * _longest(exact.velocity_world)
     weight = scene.body.mass * float(np.linalg.norm(scene.gravity_world))
@@ -167,12 +172,19 @@ def _energy_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
 
 
 def _com_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
-    """Return `Signal.in_flight` of the com."""
+    """Return the relative change of a free body's position for changes of its state by one ulp.
+
+    `growth` has the changes of attitude and ω that result.
+    """
     return _relative(_moved(scene, exact, growth)[0], _way(scene, exact))
 
 
 def _velocity_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
-    """Return `Signal.in_flight` of the com's velocity."""
+    """Return the relative change of the velocity of a free body's com, for changes by one ulp.
+
+    Each number of its state changes by an ulp; `growth` has the changes of attitude and ω that
+    result.
+    """
     return max(EPS, _relative(_moved(scene, exact, growth)[1], _speed(scene, exact)))
 
 
@@ -267,7 +279,11 @@ SIGNALS = (
 
 
 def errors_by_key(errors: Errors | None) -> dict[str, float | None]:
-    """Return errors by their names in JSON and CSV; None for a run, or a signal, without them."""
+    """Return the error in each signal by its name in JSON and CSV.
+
+    It is None for a signal that the scene does not have. If `errors` is None, as for a run that has
+    none, it is None for every signal.
+    """
     known = dict(errors or ())
     return {signal.key: known.get(signal.name) for signal in SIGNALS}
 

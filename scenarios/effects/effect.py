@@ -77,7 +77,8 @@ class Scene(Protocol):
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
 
-        It is C (u·ω + s) on a free hinge and C s on any other, in the symbols of `gyrostat`.
+        It is C (u·ω + s) on a free hinge and C s on any other, with u the unit vector of the axle
+        and C the rotor's moment about it.
 
         Parameters
         ----------
@@ -87,14 +88,20 @@ class Scene(Protocol):
 
     @property
     def kept_at_start(self) -> FloatArray:
-        """The rotors' constant angular momenta at t = 0, as of `kept`, kg m²/s, (rotors,)."""
+        """The constant angular momenta of the rotors about their axles, kg m²/s, (rotors,)."""
 
     def kept_body(self, kept: FloatArray) -> FloatArray:
-        """Return the vector sum of the rotors' momenta `kept`, kg m²/s, body axes, (n, 3)."""
+        """Return the vector sum of the rotors' angular momenta, kg m²/s, body axes, (n, 3) or (3,).
+
+        Parameters
+        ----------
+        kept : constant angular momentum of each rotor about its axle, kg m²/s, (n, rotors) or
+            (rotors,)
+        """
 
     @property
     def constraint(self) -> Constraint:
-        """The constraint that holds the body; that of a free body holds along no axis."""
+        """The constraint that holds the body; a free body has one that holds along no axis."""
 
     @property
     def inertia(self) -> FloatArray:

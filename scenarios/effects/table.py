@@ -67,9 +67,9 @@ def constraint(table: TableTable, body: Body) -> Constraint:
 
 
 def arm_body(scenario: Scene, up_body: FloatArray) -> FloatArray:
-    """Return b, the torque about the com by a unit of the force N, m, body axes, (n, 3) or (3,).
+    """Return b, the torque about the com for each newton of the table's force, (n, 3) or (3,).
 
-    `up_body` is the world's vertical ẑ along body axes, (n, 3) or (3,).
+    It is in m, body axes. `up_body` is the world's vertical ẑ along body axes, (n, 3) or (3,).
     """
     return cross(up_body, scenario.constraint.lever)
 
@@ -145,7 +145,8 @@ def check(scenario: Scene, stated: StartTable) -> None:
     Raises
     ------
     Misfit
-        If it does not start so, or if a pivot holds the body as well.
+        If the com is not above the table, a stated height or vertical velocity is not that of a
+        body on it, the table would have to pull at the start, or a pivot holds the body as well.
     """
     if PIVOT in scenario.acting:
         raise Misfit("does not go with a pivot: both hold the body; remove one", *WHERE)
