@@ -136,9 +136,10 @@ def choose(
 
 
 def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
-    """Return the installed engines that apply to any of the scenes.
+    """Return the installed engines that can load the body of any of the scenes.
 
-    If there are no scenes, return all engines but those that load users' model files.
+    Engines that load users' model files are returned if a scene names such a file, the others if a
+    scene states its body. If there are no scenes, all but those that load model files are returned.
     """
     return [
         engine
@@ -152,9 +153,9 @@ def _engines(
 ) -> Sequence[Engine]:
     """Return the engines that a value of '--engine' names: several for 'all' or a family, else one.
 
-    'all' means all engines that apply to any of the scenes. A family, such as 'node', means those
-    of its engines that apply to any of them. Case matters only in 'MODULE:CLASS', 'child:COMMAND'
-    and 'ENGINE@VERSION'.
+    'all' means all engines that can load the body of any of the scenes. A family, such as 'node',
+    means those of these engines that belong to it. Case matters only in 'MODULE:CLASS',
+    'child:COMMAND' and 'ENGINE@VERSION'.
 
     Parameters
     ----------

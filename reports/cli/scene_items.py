@@ -223,7 +223,7 @@ class EngineItem(SceneItem):
 
 
 class MissingEngineItem(SceneItem):
-    """An item that is skipped because an engine is missing; its message says why it is."""
+    """An item that is skipped because an engine is missing; the message says why it is missing."""
 
     def __init__(self, *, reason: str, **parent_and_name: Any) -> None:
         super().__init__(**parent_and_name)

@@ -216,7 +216,7 @@ def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
 def _carried_out(
     definitions: Sequence[tuple[Ensemble, Scenario]], choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Run the members of ensembles whose results are missing; return all results.
+    """Run those members of ensembles that have no stored results; return the results of all.
 
     Parameters
     ----------

@@ -276,7 +276,10 @@ def _as_typed(candidate: Candidate) -> Candidate:
 
 
 def _left_in(results: Results, key: Key) -> MethodCost | None:
-    """Return the cost of a method's steps if nothing is left out of them; None if not measured."""
+    """Return the cost of a method's steps with all passes that the adapter otherwise leaves out.
+
+    None is returned if it was not measured, or if the adapter leaves nothing out.
+    """
     whole = (one for one in results.costs if one.key == key and one.left_in)
     return next((one for one in whole if one.cost and one.cost.ratio), None)
 

@@ -134,7 +134,7 @@ def gone_on_with(out: Path) -> str:
 
 
 def check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
-    """Raise a `Complaint` if one of the chosen engines applies to none of the scenes."""
+    """Raise a `Complaint` if an engine loads users' model files and no scene names such a file."""
     for engine in choice.engines:
         if not any(engine.applies_to(scenario) for scenario in scenarios):
             raise Complaint(
@@ -174,7 +174,7 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
 
 
 def read(path: Path, scene: str = "") -> Results:
-    """Return what a result file holds; print a warning if it is a copy without its log.
+    """Return what a result file holds; print a warning if it is a copy without SQLite's log file.
 
     Parameters
     ----------

@@ -62,8 +62,9 @@ class Change:
 
 
 def changes(old: Results, new: Results) -> list[Change]:
-    """Return all changes: of environment, scenes and methods first, then of their results.
+    """Return all changes between two result files.
 
+    Changes of the environment, of scenes and of methods come first, then those of their results.
     Runs and costs are compared only on scenes whose motion is the same in both files.
     """
     edited = {name for name in old.scenes.keys() & new.scenes.keys() if _edited(name, old, new)}
@@ -146,7 +147,10 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
 
 
 def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Yield a change if both verdicts are `converges` but the orders of steps differ."""
+    """Yield a change if both verdicts are `converges` but gains vanish with different orders.
+
+    Nothing is yielded unless both orders are known.
+    """
     before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
     if before is None or after is None or before == after:
         return
@@ -192,7 +196,8 @@ def _errors(
 
     Parameters
     ----------
-    old_noise, new_noise : noise of each run's errors, by signal
+    old_noise, new_noise : by signal, the part of each run's errors that rounding and the
+        reference's uncertainty may explain
     """
     if old.errors is None or new.errors is None:
         return
@@ -229,9 +234,10 @@ def _has_changed(old: float, new: float, noise: float) -> bool:
 
 
 def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Change]:
-    """Yield a change if the cost of a step differs by more than `COST_FACTOR` and both spreads.
+    """Yield a change if the cost of a method's steps differs by more than timings scatter.
 
-    Nothing is yielded unless steps were timed in both files.
+    The costs must differ by more than the factor `COST_FACTOR`, and by more than the sum of the
+    spreads of both timings. Nothing is yielded unless steps were timed in both files.
 
     Parameters
     ----------

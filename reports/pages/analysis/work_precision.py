@@ -115,7 +115,7 @@ class Curve(OfMethod):
         As a single larger error may be chance, there must be at least two runs at shorter
         timesteps, stock ones included, and the finest must have an error larger by the factor
         `GROWN`. In addition, their errors must either grow from each run to the next, or all be
-        larger by that factor without falling again at the end.
+        larger by that factor, the finest run's being at least the largest over `GROWN`.
         """
         if not self.stable:
             return None

@@ -46,14 +46,14 @@ COST = (
 def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[str, Any] | None:
     """Return the contents of the first screen, made from the plain scenes alone, as a dictionary.
 
-    `lead` says how large the errors of defaults are, and the errors of the methods that are
-    recommended instead. `table` has a column for each of these methods. `about` says what the
-    numbers in the table are. `why` has the reasons for the errors. None is returned if no engine as
-    shipped was run.
+    `lead` says how large the errors of at most two engines as shipped are, and those of the methods
+    that are recommended instead. `table` has a column for each of these engines and methods.
+    `about` says what the numbers in the table are. `why` has the reasons for the errors. None is
+    returned if no engine as shipped was run.
 
     Parameters
     ----------
-    left_out : costs of steps of engines from which nothing is left out
+    left_out : costs of steps of engines, made with passes that adapters otherwise leave out
     """
     plain = gathered.plain
     tried = at_stock(plain)
@@ -148,7 +148,7 @@ def _column(
     Parameters
     ----------
     one, default : the runs of the method, and of the engine as shipped, at stock timesteps
-    left_out : costs of steps of engines from which nothing is left out
+    left_out : costs of steps of engines, made with passes that adapters otherwise leave out
     finest : what rounding does to the method; None if it does nothing
     """
     of_steps = "SELECT scene, seconds FROM usual WHERE engine = ? AND method = ?"
