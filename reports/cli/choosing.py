@@ -20,7 +20,7 @@ from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 
 @contextmanager
 def executor_for(jobs: int, choice: Choice) -> Iterator[Executor]:
-    """Yield an executor with worker processes, which end with the block.
+    """Yield an executor with worker processes, which end with the `with` block.
 
     A `Complaint` is raised if there is no temporary folder.
 
@@ -88,8 +88,8 @@ def choose(
 
     Parameters
     ----------
-    engine_names : names as typed; if empty, all engines that apply to any of the scenes are chosen,
-        except optional ones
+    engine_names : names as typed; if empty, all engines are chosen that can load the body of any of
+        the scenes, except optional ones
     methods : names in upper or lower case; if empty, the choice stands for all methods that the
         engines offer for a scene
     timesteps : s; if empty, the command decides on timesteps

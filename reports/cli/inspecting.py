@@ -175,7 +175,10 @@ def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | st
 
 
 def _row(link: InspectedLink) -> dict[str, object]:
-    """Return a link's row in the table; headings have line breaks, to be as narrow as numbers."""
+    """Return a link's row in the table of `print_inspection`, by the headings of the columns.
+
+    The headings have line breaks, so that columns are hardly wider than their numbers.
+    """
     stated = link.link.stated
     row: dict[str, object] = {"link": link.link.name, "kg": stated and stated.mass}
     for reading in link.readings:

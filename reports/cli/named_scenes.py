@@ -87,7 +87,7 @@ class Checked:
 
     Attributes
     ----------
-    lines : one for each file without an error in its format
+    lines : one for each file without an error in its format, with title, mass, tilt and speeds
     wrong : one for each error in a file
     unsolved : one for each motion that cannot be solved
     untrue : one for each published value that differs from the exact motion

@@ -25,15 +25,17 @@ def gradients(
     window: float | None,
     time_limit: float | None,
 ) -> list[GradientRow]:
-    """Return verdicts on the derivatives of methods' steps; print on stderr which is judged next.
+    """Return verdicts on the derivatives of methods' steps.
+
+    Before each derivative is judged, its name is printed on stderr.
 
     Parameters
     ----------
     scenes : files, folders or names of library scenes
     engine : names of engines; if empty, all that are not optional
     method : names of methods; if empty, all that are not as shipped
-    timestep : timestep of the steps over which gradients are compared, s; chosen for the scene if
-        None
+    timestep : timestep of gradients through many steps, s; if None, it follows from the fastest
+        rate
     window : time over which gradients through many steps are compared, s; 512 steps if None
     time_limit : CPU time that a run may take, s; the default if None
 
@@ -122,7 +124,7 @@ def _found(row: GradientRow) -> dict[str, object]:
 
 
 def useless(row: GradientRow) -> str:
-    """Return, as text, how long a run is, s, when its gradients are no better than zeros.
+    """Return, as text, the length of run, s, from which on its gradients are no better than zeros.
 
     The conditioning at that time follows in brackets. The text is empty if the gradients are better
     than zeros up to the end of the longest run.

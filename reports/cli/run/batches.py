@@ -50,7 +50,7 @@ def batches(
 ) -> list[BatchRow]:
     """Return comparisons of worlds that are stepped in batches with the same world stepped alone.
 
-    A world is one simulation of a scene.
+    A world is one copy of a scene.
 
     Parameters
     ----------
@@ -143,8 +143,8 @@ def exit_code(rows: Sequence[BatchRow]) -> int:
 def _line(row: BatchRow) -> dict[str, object]:
     """Return a batch as a row of a table: how far its worlds' motions are off, and costs of steps.
 
-    They are compared with the world stepped alone, with each other, and with the same worlds among
-    odd neighbours.
+    The motions are compared with that of the world stepped alone, with each other, and with those
+    beside odd neighbours: worlds of other scenes in the same batch.
     """
     assert row.seconds_per_step is not None, "only a row that was compared is printed"
     return {

@@ -92,7 +92,7 @@ PROGRESS_LINES = 50
 def run_ensembles(
     scenes: Sequence[str], members: int, seed: int, choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Run the missing members of an ensemble of each scene, and return all runs of the ensembles.
+    """Run those members of each scene's ensemble that have no stored results; return all results.
 
     Parameters
     ----------

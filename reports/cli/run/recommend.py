@@ -192,7 +192,7 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
 def _timed_runs(
     scene: str, bounds: ErrorBounds, engine_names: Sequence[str], stored: Path
 ) -> Results | None:
-    """Return a scene's results in a result file, of engines that are installed in the same version.
+    """Return a scene's stored results, of engines whose installed version is the stored one.
 
     None is returned if there is no file, if the file lacks the scene or has another version of the
     scene, if no method has `LEAST_TIMED` timed runs, or if errors in a signal with a bound are not

@@ -37,9 +37,10 @@ from .encodings import encoded
 
 
 def announcement(left: Plan) -> str:
-    """Return, in words, how many verdicts a plan will make, of which engines, and what is timed.
+    """Return, in words, how many verdicts a plan will make, and on which engines.
 
-    The text is empty if the plan will make at most one verdict.
+    The number of scenes to be timed is added, if any. The text is empty if the plan will make at
+    most one verdict.
     """
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
@@ -210,7 +211,8 @@ def read(path: Path, scene: str = "") -> Results:
 def tidied(path: Path) -> str:
     """Delete results that no longer count from a result file; return in words what was freed.
 
-    A `Complaint` is raised if the file cannot be used.
+    Results do not count if their scene, the program or their engine has changed since. A
+    `Complaint` is raised if the file cannot be used.
     """
     with as_complaint(ResultFileError):
         with open_store(path):

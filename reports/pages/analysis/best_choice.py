@@ -224,8 +224,9 @@ def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
     It does not if a trivial forecast has errors of at most `TELLING` times the bounds. In the
     forecast, the body keeps the ω and the velocity that it has at the start. Its errors are
     compared with the bounds on attitude and ω; a bound that is not given is taken from `BOUNDS`. If
-    all given bounds are on the com and its velocity, those are used instead. On skill relative to a
-    trivial forecast see A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417.
+    bounds are given only for the com, its velocity or both, the errors in these are compared
+    instead. On skill relative to a trivial forecast see A. H. Murphy, Mon. Wea. Rev. 116 (1988)
+    2417.
 
     Parameters
     ----------

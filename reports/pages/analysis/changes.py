@@ -87,7 +87,7 @@ _OfKey = tuple[SceneRuns, MethodRuns]
 
 
 def _by_key(results: Results) -> dict[Key, _OfKey]:
-    """Return the runs of each method on each scene, together with the scene, by their key."""
+    """Return each scene with the runs of one method on it, by scene, engine and method."""
     scenes = report_data(results).scenes
     return {Key(one.name, *runs.pair): (one, runs) for one in scenes for runs in one.methods}
 
@@ -192,7 +192,7 @@ def _errors(
 ) -> Iterator[Change]:
     """Yield a change for each signal in which the errors of two runs differ.
 
-    They must differ by more than noise and by more than `ERROR_FACTOR` (`_has_changed`).
+    They must differ by more than noise and by more than the factor `ERROR_FACTOR`.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
 
 
 def _has_changed(old: float, new: float, noise: float) -> bool:
-    """Return whether an error has changed by more than noise and by more than `ERROR_FACTOR`.
+    """Return whether an error has changed by more than noise and the factor `ERROR_FACTOR`.
 
     Two errors that are both too large for the asymptotic range never count as changed.
 

@@ -200,7 +200,10 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
 
 
 def _priced(curve: Curve, level: float, how: How, reason: str, timestep: float) -> Reach:
-    """Return a timestep, s, with its cost as a `Reach`; its word is "not timed" without timings."""
+    """Return a timestep, s, and its cost as a `Reach`.
+
+    If steps were not timed, the word is "not timed", and timestep and cost are None.
+    """
     if curve.seconds_per_step is None:
         return Reach(level, "not timed", f"a timestep of {timestep:.3g} s, its steps not timed")
     return Reach(level, how, reason, timestep, curve.seconds_per_step / timestep)

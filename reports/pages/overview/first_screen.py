@@ -236,7 +236,8 @@ def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]
 
     Parameters
     ----------
-    seconds, base : CPU time of a step on each scene, s; and the time by which it is divided
+    seconds, base : by scene, the CPU time of a step, s, and the one by which it is divided; None if
+        not timed
     """
     ratios = [dear / cheap for name, dear in seconds.items() if dear and (cheap := base.get(name))]
     if not ratios:
