@@ -20,7 +20,7 @@ from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 
 @contextmanager
 def executor_for(jobs: int, choice: Choice) -> Iterator[Executor]:
-    """Yield an executor with worker processes, which end with the block.
+    """Yield an executor with worker processes, which end with the `with` block.
 
     A `Complaint` is raised if there is no temporary folder.
 
@@ -88,8 +88,8 @@ def choose(
 
     Parameters
     ----------
-    engine_names : names as typed; if empty, all engines that apply to any of the scenes are chosen,
-        except optional ones
+    engine_names : names as typed; if empty, all engines are chosen that can load the body of any of
+        the scenes, except optional ones
     methods : names in upper or lower case; if empty, the choice stands for all methods that the
         engines offer for a scene
     timesteps : s; if empty, the command decides on timesteps
@@ -136,9 +136,10 @@ def choose(
 
 
 def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
-    """Return the installed engines that apply to any of the scenes.
+    """Return the installed engines that can load the body of any of the scenes.
 
-    If there are no scenes, return all engines but those that load users' model files.
+    Engines that load users' model files are returned if a scene names such a file, the others if a
+    scene states its body. If there are no scenes, all but those that load model files are returned.
     """
     return [
         engine
@@ -152,9 +153,9 @@ def _engines(
 ) -> Sequence[Engine]:
     """Return the engines that a value of '--engine' names: several for 'all' or a family, else one.
 
-    'all' means all engines that apply to any of the scenes. A family, such as 'node', means those
-    of its engines that apply to any of them. Case matters only in 'MODULE:CLASS', 'child:COMMAND'
-    and 'ENGINE@VERSION'.
+    'all' means all engines that can load the body of any of the scenes. A family, such as 'node',
+    means those of these engines that belong to it. Case matters only in 'MODULE:CLASS',
+    'child:COMMAND' and 'ENGINE@VERSION'.
 
     Parameters
     ----------

@@ -57,7 +57,7 @@ def models(
 
 
 def inspections(models: Sequence[ModelFile], engines: Sequence[str]) -> Iterator[Inspection]:
-    """Yield the inspection of each model, which engines read in a worker process.
+    """Yield the inspection of each model; engines read the models in a worker process.
 
     Parameters
     ----------
@@ -175,7 +175,10 @@ def _count_of_wrong(inspection: Inspection, column: tuple[str, str]) -> int | st
 
 
 def _row(link: InspectedLink) -> dict[str, object]:
-    """Return a link's row in the table; headings have line breaks, to be as narrow as numbers."""
+    """Return a link's row in the table of `print_inspection`, by the headings of the columns.
+
+    The headings have line breaks, so that columns are hardly wider than their numbers.
+    """
     stated = link.link.stated
     row: dict[str, object] = {"link": link.link.name, "kg": stated and stated.mass}
     for reading in link.readings:
@@ -289,8 +292,8 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     Raises
     ------
     Complaint
-        If the file cannot be read, if it has no such link or no link that makes a scene, or if a
-        scene's file exists already or cannot be written.
+        If the file cannot be read, if a link in `links` is not in it, if no wanted link makes a
+        scene, or if a scene's file exists already or cannot be written.
     """
     with as_complaint(ModelFileError):
         model = read_model(file)

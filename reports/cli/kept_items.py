@@ -91,6 +91,7 @@ def _stamp(file: Path) -> str:
 def _place(item: pytest.Item) -> str:
     """Return the key of a test item in pytest's cache.
 
-    It has a digest of the item's name, as not every system allows such a name as that of a file.
+    The key has a digest in place of the item's name: pytest stores the entry in a file of the key's
+    name, and not every system allows an item's name as that of a file.
     """
     return f"{_FOLDER}/{sha256(item.nodeid.encode()).hexdigest()[:16]}"

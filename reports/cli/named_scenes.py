@@ -87,7 +87,7 @@ class Checked:
 
     Attributes
     ----------
-    lines : one for each file without an error in its format
+    lines : one for each file without an error in its format, with title, mass, tilt and speeds
     wrong : one for each error in a file
     unsolved : one for each motion that cannot be solved
     untrue : one for each published value that differs from the exact motion
@@ -130,7 +130,7 @@ def checked(names: Iterable[str]) -> Checked:
 
 
 def _in_short(scenario: Scenario) -> str:
-    """Return a scene's mass, tilt and angular speeds in words, in which a wrong unit is seen."""
+    """Return a scene's mass, tilt and angular speeds in words, to make wrong units noticeable."""
     w, x, y, z = scenario.start.q_world_body_wxyz.tolist()
     tilt = math.degrees(2 * math.atan2(math.hypot(x, y), math.hypot(w, z)))
     speeds = [math.hypot(*scenario.start.omega_body), *map(float, scenario.start_spins)]

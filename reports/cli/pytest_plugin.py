@@ -48,7 +48,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Check the plugin's settings; register the suite's hooks if the option `ENGINE` is given.
+    """Check the plugin's settings; if '--spincheck-engine' is given, register the suite's hooks.
 
     `pytest.UsageError` is raised for a setting or an option that cannot be used.
     """
@@ -113,7 +113,7 @@ def _max_steps(config: pytest.Config) -> int | None:
 
 
 def _may_be_scenario(path: Path) -> bool:
-    """Whether a regular file has the word "spincheck" near its beginning."""
+    """Whether a path is that of a regular file with the word "spincheck" near its beginning."""
     try:
         # Only a regular file, as reading from a pipe would block.
         if not path.is_file():

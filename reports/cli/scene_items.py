@@ -135,7 +135,10 @@ class SceneItem(pytest.Item):
         return self.path, None, f"{self.path.stem}::{self.name}"
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        """Return pytest's report: what disagreed, in words; a stack trace for any other error."""
+        """Return what pytest reports of a failure.
+
+        For a `Disagreement`, it is what disagreed, in words; for any other error, a stack trace.
+        """
         if isinstance(excinfo.value, Disagreement):
             return "\n".join(excinfo.value.args)
         return super().repr_failure(excinfo, style)
@@ -223,7 +226,7 @@ class EngineItem(SceneItem):
 
 
 class MissingEngineItem(SceneItem):
-    """An item that is skipped because an engine is missing; its message says why it is."""
+    """An item that is skipped because an engine is missing; the message says why it is missing."""
 
     def __init__(self, *, reason: str, **parent_and_name: Any) -> None:
         super().__init__(**parent_and_name)

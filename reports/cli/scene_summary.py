@@ -15,7 +15,7 @@ def summary(stats: Mapping[str, Sequence[Any]]) -> str:
 
     Parameters
     ----------
-    stats : pytest's reports, by outcome; other plugins may collect TOML files too
+    stats : pytest's reports, by outcome; those of items that are not of scenes are ignored
     """
     passed, failed, skipped = (
         [one for one in stats.get(outcome, ()) if KEPT in _properties(one)]

@@ -234,7 +234,8 @@ def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
 def results(path: "str | Path") -> "StoredResults":
     """Return the runs and verdicts of a result file, as lists of records.
 
-    Runs in which something is varied, such as those on the members of ensembles, are left out.
+    Runs on members of ensembles, and those with some of an engine's defaults switched off, are left
+    out.
 
     Raises
     ------

@@ -63,8 +63,9 @@ def judged_gradients(
 
     Parameters
     ----------
-    timestep : timestep of the steps over which gradients are compared, s; None for a default
-    window : time over which gradients are compared, s; None for a default
+    timestep : timestep of gradients through many steps, s; if None, it follows from the fastest
+        rate
+    window : time over which gradients through many steps are compared, s; 512 steps if None
 
     Raises
     ------

@@ -18,8 +18,8 @@ class StoredResults:
 
     Attributes
     ----------
-    rows : the runs in which nothing is varied: those on the members of ensembles, and those of
-        engines with some defaults switched off, are left out
+    rows : the runs, without those on members of ensembles and those of engines with some defaults
+        switched off
     verdicts : one for each scene and method: the verdict on its ladder; if there is none, the
         latest verdict
     """

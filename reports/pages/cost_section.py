@@ -37,13 +37,16 @@ def median_table(gathered: ReportData) -> Table:
 
 
 def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
-    """Return a table of how much longer steps take if nothing is left out, and a sentence.
+    """Return a table of how much longer steps take with the passes that engines leave out.
 
-    The sentence says how many motions are then the same to the last bit.
+    A pass is a part of a step, such as the search for contacts; adapters leave out those that a
+    scene does not call for. Also returned is a sentence on how many motions are the same to the
+    last bit with and without these passes.
 
     Parameters
     ----------
-    costs : costs of steps; only those of engines that leave nothing out are used
+    costs : costs of steps; only those whose motions with and without the passes were compared are
+        used
     """
     whole = [cost for cost in costs if cost.difference is not None]
     methods = sorted({cost.key.pair for cost in whole})
@@ -61,9 +64,10 @@ def left_out_section(costs: Sequence[MethodCost]) -> tuple[Table, str]:
 
 
 def _whole_cell(cost: MethodCost) -> Cell:
-    """Return a cell that says how much longer steps take if nothing is left out.
+    """Return a cell on an engine that makes all the passes that it otherwise leaves out.
 
-    Its second line says how far the motion is then off, or that it is identical.
+    The first line says by how many percent its steps take longer. The second says how far its
+    motion is from the one with these passes left out, or that the two are identical.
     """
     ratio = cost.cost.ratio if cost.cost else None
     more = f"{ratio.median - 1:+.0%} ± {ratio.spread:.0%}" if ratio else NOTHING

@@ -101,7 +101,7 @@ class ReportFolder:
     def _listed(self) -> set[str]:
         """Return the relative paths of the files that an earlier report wrote, from its list.
 
-        Paths that no file of a report can have are ignored.
+        The set is empty if there is no list. Paths that no file of a report can have are ignored.
         """
         try:
             content = read_regular(self._folder / LIST, LONGEST_LIST)

@@ -70,7 +70,7 @@ def list_engines(
 
 
 def _methods_of(engine: "Engine") -> Iterator[str]:
-    """Yield a line for an engine, and one for each method, with effects that it cannot simulate.
+    """Yield a line for an engine, and one for each method with the effects that the method lacks.
 
     Long lines are wrapped. The last line is empty.
     """

@@ -25,15 +25,17 @@ def gradients(
     window: float | None,
     time_limit: float | None,
 ) -> list[GradientRow]:
-    """Return verdicts on the derivatives of methods' steps; print on stderr which is judged next.
+    """Return verdicts on the derivatives of methods' steps.
+
+    Before each derivative is judged, its name is printed on stderr.
 
     Parameters
     ----------
     scenes : files, folders or names of library scenes
     engine : names of engines; if empty, all that are not optional
     method : names of methods; if empty, all that are not as shipped
-    timestep : timestep of the steps over which gradients are compared, s; chosen for the scene if
-        None
+    timestep : timestep of gradients through many steps, s; if None, it follows from the fastest
+        rate
     window : time over which gradients through many steps are compared, s; 512 steps if None
     time_limit : CPU time that a run may take, s; the default if None
 
@@ -68,7 +70,10 @@ def gradients(
 
 
 def print_gradients(rows: Sequence[GradientRow]) -> None:
-    """Print a table of verdicts, then their reasons, then a table of gradients over windows."""
+    """Print a table of verdicts, then their reasons, then a table of gradients through many steps.
+
+    The last table is left out if no such gradients were computed.
+    """
     table(list(map(_found, rows)))
     for row in rows:
         if row.judged.reason:
@@ -119,16 +124,20 @@ def _found(row: GradientRow) -> dict[str, object]:
 
 
 def useless(row: GradientRow) -> str:
-    """Return, as text, the time, s, from which on gradients are no better than zeros.
+    """Return, as text, the length of run, s, from which on its gradients are no better than zeros.
 
-    The conditioning at that time follows in brackets. The text is empty if there is no such time.
+    The conditioning at that time follows in brackets. The text is empty if the gradients are better
+    than zeros up to the end of the longest run.
     """
     there = [one for one in row.window if one.t == row.useless_from]
     return "".join(f"{one.t:.2g} ({one.conditioning:.0e})" for one in there)
 
 
 def _windows(rows: Sequence[GradientRow]) -> Iterator[dict[str, object]]:
-    """Yield a table row for each derivative with gradients over windows, about the longest one."""
+    """Yield a table row for each derivative whose gradients through many steps were computed.
+
+    The row is about the longest window of time over which they were computed.
+    """
     for row in rows:
         if row.window:
             last = row.window[-1]

@@ -90,9 +90,10 @@ def judged_files(
 
     Parameters
     ----------
-    quaternion : order of a quaternion's components, "wxyz" or "xyzw"; None if the files state it
-    omega : axes of ω, "body" or "world"; None if the files state them
-    timesteps : timestep of each file, s; empty if the files state them
+    quaternion : order of a quaternion's components, "wxyz" or "xyzw"; if None, that which a file
+        states, or else "wxyz"
+    omega : axes of ω, "body" or "world"; if None, those that a file states, or else "body"
+    timesteps : timestep of each file, s; if empty, those that the files state, if they do
     bounds, noise : the values of '--fail-above' and '--noise', as typed: SIGNAL=SIZE
     order : order of accuracy of the method that made the motions
 

@@ -91,9 +91,10 @@ def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
 
 
 def print_changes(changes: Sequence[Change]) -> None:
-    """Print the changes as a table; errors of a method that all grew, or all shrank, share a line.
+    """Print the changes as a table, and below it how many there are.
 
-    That line shows the largest of these changes.
+    The errors of a method on a scene that grew share one line, those that shrank another. Such a
+    line shows the largest change.
     """
     if not changes:
         print("nothing changed")

@@ -24,7 +24,7 @@ MOST = 1 << 20
 
 
 def named_worlds(text: str) -> list[int]:
-    """Return numbers of worlds, in increasing order, from a text such as "1,64,4096".
+    """Return the sizes of batches, in worlds and ascending, from a text such as "1,64,4096".
 
     A `Complaint` is raised unless they are whole numbers from 1 to `MOST`.
     """
@@ -48,7 +48,9 @@ def batches(
     device: str,
     time_limit: float | None,
 ) -> list[BatchRow]:
-    """Return comparisons of worlds in batches with the same world alone.
+    """Return comparisons of worlds that are stepped in batches with the same world stepped alone.
+
+    A world is one copy of a scene.
 
     Parameters
     ----------
@@ -139,7 +141,11 @@ def exit_code(rows: Sequence[BatchRow]) -> int:
 
 
 def _line(row: BatchRow) -> dict[str, object]:
-    """Return a batch as a row of a table: how far a world's motions are apart, and costs."""
+    """Return a batch as a row of a table: how far its worlds' motions are off, and costs of steps.
+
+    The motions are compared with that of the world stepped alone, with each other, and with those
+    beside odd neighbours: worlds of other scenes in the same batch.
+    """
     assert row.seconds_per_step is not None, "only a row that was compared is printed"
     return {
         "worlds": row.worlds,

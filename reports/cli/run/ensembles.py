@@ -92,7 +92,7 @@ PROGRESS_LINES = 50
 def run_ensembles(
     scenes: Sequence[str], members: int, seed: int, choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Run the missing members of an ensemble of each scene, and return all runs of the ensembles.
+    """Run those members of each scene's ensemble that have no stored results; return all results.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def exit_code_of(swept: Iterable[EnsembleResult]) -> int:
 def _carried_out(
     definitions: Sequence[tuple[Ensemble, Scenario]], choice: Choice, jobs: int, out: Path
 ) -> list[EnsembleResult]:
-    """Run the members of ensembles whose results are missing; return all results.
+    """Run those members of ensembles that have no stored results; return the results of all.
 
     Parameters
     ----------

@@ -192,7 +192,7 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
 def _timed_runs(
     scene: str, bounds: ErrorBounds, engine_names: Sequence[str], stored: Path
 ) -> Results | None:
-    """Return a scene's results in a result file, of engines that are installed in the same version.
+    """Return a scene's stored results, of engines whose installed version is the stored one.
 
     None is returned if there is no file, if the file lacks the scene or has another version of the
     scene, if no method has `LEAST_TIMED` timed runs, or if errors in a signal with a bound are not
@@ -276,7 +276,10 @@ def _as_typed(candidate: Candidate) -> Candidate:
 
 
 def _left_in(results: Results, key: Key) -> MethodCost | None:
-    """Return the cost of a method's steps if nothing is left out of them; None if not measured."""
+    """Return the cost of a method's steps with all passes that the adapter otherwise leaves out.
+
+    None is returned if it was not measured, or if the adapter leaves nothing out.
+    """
     whole = (one for one in results.costs if one.key == key and one.left_in)
     return next((one for one in whole if one.cost and one.cost.ratio), None)
 

@@ -36,7 +36,10 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
 
 
 def _ratio(recommendation: Recommendation) -> float | None:
-    """Return how many times as long a step takes if nothing is left out; None if not timed."""
+    """Return the factor by which a step takes longer if the adapter leaves no pass out of it.
+
+    None is returned if that was not timed, or if the adapter leaves nothing out.
+    """
     whole = recommendation.left_in
     return whole.cost.ratio.median if whole and whole.cost and whole.cost.ratio else None
 

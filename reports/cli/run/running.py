@@ -37,9 +37,10 @@ from .encodings import encoded
 
 
 def announcement(left: Plan) -> str:
-    """Return, in words, how many verdicts a plan will make, of which engines, and what is timed.
+    """Return, in words, how many verdicts a plan will make, and on which engines.
 
-    The text is empty if the plan will make at most one verdict.
+    The number of scenes to be timed is added, if any. The text is empty if the plan will make at
+    most one verdict.
     """
     pairs = [pair for scene in left.scenes for pair in scene.to_run]
     if len(pairs) < 2:
@@ -134,7 +135,7 @@ def gone_on_with(out: Path) -> str:
 
 
 def check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
-    """Raise a `Complaint` if one of the chosen engines applies to none of the scenes."""
+    """Raise a `Complaint` if an engine loads users' model files and no scene names such a file."""
     for engine in choice.engines:
         if not any(engine.applies_to(scenario) for scenario in scenarios):
             raise Complaint(
@@ -174,7 +175,7 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
 
 
 def read(path: Path, scene: str = "") -> Results:
-    """Return what a result file holds; print a warning if it is a copy without its log.
+    """Return what a result file holds; print a warning if it is a copy without SQLite's log file.
 
     Parameters
     ----------
@@ -210,7 +211,8 @@ def read(path: Path, scene: str = "") -> Results:
 def tidied(path: Path) -> str:
     """Delete results that no longer count from a result file; return in words what was freed.
 
-    A `Complaint` is raised if the file cannot be used.
+    Results do not count if their scene, the program or their engine has changed since. A
+    `Complaint` is raised if the file cannot be used.
     """
     with as_complaint(ResultFileError):
         with open_store(path):

@@ -23,15 +23,16 @@ WIDTH = 80
 SCENE, METHOD = 25, 25
 #: Largest number of lines of a reason.
 REASON_LINES = 3
-#: Width of the column that shows what is varied in a run, characters.
+#: Width of the column that shows the values of `Row.varied`, characters.
 VARIED = 24
 
 
 def run_lines(rows: Sequence[Row]) -> Iterator[str]:
     """Yield a heading for each method on each scene, and below it a line for each run.
 
-    The line of a run begins with its timestep, and a star before it if that is a stock timestep. If
-    something is varied in the run, such as the member of an ensemble, the line begins with that.
+    The line of a run begins with its timestep, and a star before it if that is a stock timestep.
+    For a run on a member of an ensemble, it begins with seed and member instead; for one with some
+    of the engine's defaults switched off, with the defaults that are left.
 
     Parameters
     ----------
@@ -118,7 +119,7 @@ def cut(text: str, width: int) -> str:
 
 
 def _begun(row: Row) -> str:
-    """Return the beginning of a run's line: its timestep, or what is varied."""
+    """Return the beginning of a run's line: the values of `Row.varied`, or else the timestep."""
     if row.varied:
         values = "  ".join(map(_value, row.varied.values()))
         return f"  {cut(values.rstrip(), VARIED - 1):{VARIED}}"
@@ -126,7 +127,7 @@ def _begun(row: Row) -> str:
 
 
 def _value(varied: object) -> str:
-    """Return a value that is varied in a run as text; a number is padded to a column's width."""
+    """Return one of the values of `Row.varied` as text; a number is padded to a column's width."""
     if isinstance(varied, int | float):
         return f"{varied:<11.6g}"
     return ", ".join(map(str, varied)) if isinstance(varied, list) else f"{varied}"

@@ -140,7 +140,10 @@ def _scene(name: str) -> Scenario:
 
 @cache
 def _prepared(name: str) -> Prepared:
-    """Return the exact motion of one of the suite's scenes, for ladders of `MOST_STEPS` steps."""
+    """Return ladder and exact motion of one of the suite's scenes.
+
+    No run of the ladder takes more than `MOST_STEPS` steps.
+    """
     return prepare(_scene(name), (), MOST_STEPS).for_verdicts()
 
 

@@ -39,7 +39,7 @@ class Candidate:
     bias : bias of the rounding, ulp of single precision a step; None if no bias is shown
     timestep : s; None if a bound is out of reach or no step was timed
     cost : CPU seconds for a simulated second at that timestep
-    spread : spread of the timings of a step, relative to the time of a step
+    spread : largest minus least of the repeated timings of a step, relative to the least
     """
 
     key: Key
@@ -77,9 +77,9 @@ def candidates(scene: SceneRuns, bounds: ErrorBounds) -> list[Candidate]:
 
 
 def as_cheap(candidates: Sequence[Candidate]) -> list[Candidate]:
-    """Return the candidates that cost as much as the first, within the spread of its timings.
+    """Return the other candidates that cost no more than the first plus the spread of its timings.
 
-    The first itself is left out. The list is empty if the first has no cost.
+    The list is empty if the first has no cost.
 
     Parameters
     ----------
@@ -224,8 +224,9 @@ def steady(solved: SceneResult, bounds: ErrorBounds) -> str:
     It does not if a trivial forecast has errors of at most `TELLING` times the bounds. In the
     forecast, the body keeps the ω and the velocity that it has at the start. Its errors are
     compared with the bounds on attitude and ω; a bound that is not given is taken from `BOUNDS`. If
-    all given bounds are on the com and its velocity, those are used instead. On skill relative to a
-    trivial forecast see A. H. Murphy, Mon. Wea. Rev. 116 (1988) 2417.
+    bounds are given only for the com, its velocity or both, the errors in these are compared
+    instead. On skill relative to a trivial forecast see A. H. Murphy, Mon. Wea. Rev. 116 (1988)
+    2417.
 
     Parameters
     ----------
@@ -293,7 +294,10 @@ def _rank(one: BestChoice) -> tuple[bool, float, float]:
 
 
 def _within(scene: SceneRuns, row: Row) -> bool:
-    """Whether a run's errors, none taken as less than its uncertainty, are within `BOUNDS`."""
+    """Whether a run's errors are within `BOUNDS`.
+
+    Errors below the uncertainty of the reference are taken to be as large as the uncertainty.
+    """
     assert row.errors is not None, "only a run with errors is chosen"
     limits = scene.uncertainty(row)
     return all(max(row.errors[name], limits[name]) <= bound for name, bound in BOUNDS.items())

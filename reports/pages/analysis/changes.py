@@ -62,8 +62,9 @@ class Change:
 
 
 def changes(old: Results, new: Results) -> list[Change]:
-    """Return all changes: of environment, scenes and methods first, then of their results.
+    """Return all changes between two result files.
 
+    Changes of the environment, of scenes and of methods come first, then those of their results.
     Runs and costs are compared only on scenes whose motion is the same in both files.
     """
     edited = {name for name in old.scenes.keys() & new.scenes.keys() if _edited(name, old, new)}
@@ -86,7 +87,7 @@ _OfKey = tuple[SceneRuns, MethodRuns]
 
 
 def _by_key(results: Results) -> dict[Key, _OfKey]:
-    """Return the runs of each method on each scene, together with the scene, by their key."""
+    """Return each scene with the runs of one method on it, by scene, engine and method."""
     scenes = report_data(results).scenes
     return {Key(one.name, *runs.pair): (one, runs) for one in scenes for runs in one.methods}
 
@@ -146,7 +147,10 @@ def _verdict(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Cha
 
 
 def _order(key: Key, old: Verdict | None, new: Verdict | None) -> Iterator[Change]:
-    """Yield a change if both verdicts are `converges` but the orders of steps differ."""
+    """Yield a change if both verdicts are `converges` but gains vanish with different orders.
+
+    Nothing is yielded unless both orders are known.
+    """
     before, after = (v.order if v and v.verdict == "converges" else None for v in (old, new))
     if before is None or after is None or before == after:
         return
@@ -188,11 +192,12 @@ def _errors(
 ) -> Iterator[Change]:
     """Yield a change for each signal in which the errors of two runs differ.
 
-    They must differ by more than noise and by more than `ERROR_FACTOR` (`_has_changed`).
+    They must differ by more than noise and by more than the factor `ERROR_FACTOR`.
 
     Parameters
     ----------
-    old_noise, new_noise : noise of each run's errors, by signal
+    old_noise, new_noise : by signal, the part of each run's errors that rounding and the
+        reference's uncertainty may explain
     """
     if old.errors is None or new.errors is None:
         return
@@ -216,7 +221,7 @@ def _noise(scene: SceneRuns, row: Row) -> dict[str, float]:
 
 
 def _has_changed(old: float, new: float, noise: float) -> bool:
-    """Return whether an error has changed by more than noise and by more than `ERROR_FACTOR`.
+    """Return whether an error has changed by more than noise and the factor `ERROR_FACTOR`.
 
     Two errors that are both too large for the asymptotic range never count as changed.
 
@@ -229,9 +234,10 @@ def _has_changed(old: float, new: float, noise: float) -> bool:
 
 
 def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Change]:
-    """Yield a change if the cost of a step differs by more than `COST_FACTOR` and both spreads.
+    """Yield a change if the cost of a method's steps differs by more than timings scatter.
 
-    Nothing is yielded unless steps were timed in both files.
+    The costs must differ by more than the factor `COST_FACTOR`, and by more than the sum of the
+    spreads of both timings. Nothing is yielded unless steps were timed in both files.
 
     Parameters
     ----------

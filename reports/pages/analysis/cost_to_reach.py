@@ -34,6 +34,13 @@ def tallies(scenes: Sequence[SceneCurves], levels: Sequence[float] = LEVELS) -> 
     ----------
     scenes : the curves of all methods on each scene, in the errors of one signal
     levels : the errors to reach, relative, or in rad if the signal is the attitude
+
+    Returns
+    -------
+    By engine, method and level: the number of scenes on which the level is reached, the number of
+    those on which that is known by extrapolation only, and the median cost, CPU seconds for a
+    simulated second. The median is over the scenes that the method can simulate, and None if it can
+    simulate none; the cost is infinite on scenes on which the level is not reached.
     """
     lines = (
         (*curve.pair, level, reached.word, reached.cost)
@@ -119,10 +126,10 @@ def reach(curve: Curve, level: float) -> Reach:
 
 
 def _first_within(curve: Curve, level: float) -> int | None:
-    """Return the index of the coarsest stable run that is, like all finer runs, within an error.
+    """Return the index, in `curve.stable`, of the coarsest run that is within an error.
 
-    A finer run may exceed the error if rounding explains that, since rounding adds more to finer
-    runs. None is returned if there is no such run.
+    All finer runs must be within the error, too, unless rounding explains why they exceed it:
+    rounding adds more to finer runs. None is returned if there is no such run.
     """
     errors = [point.error for point in curve.stable]
     finest = curve.least.timestep if curve.least else 0.0
@@ -156,8 +163,9 @@ def above_round_off(curve: Curve) -> list[CurvePoint]:
 def _below_the_ladder(curve: Curve, level: float) -> Reach:
     """Return the timestep and cost for an error below those of all runs, by the observed order.
 
-    They are None if the method does not converge, if no run is stable, if the error is relative to
-    zero, if errors show no order, or if rounding keeps the error out of reach.
+    They are None if the method does not converge or was not timed, if no run is stable, if errors
+    are relative to an exact value of zero or show no order, or if rounding keeps the error out of
+    reach.
     """
     if curve.verdict != "converges":
         return Reach(level, curve.verdict or "no verdict", curve.reason)
@@ -192,7 +200,10 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
 
 
 def _priced(curve: Curve, level: float, how: How, reason: str, timestep: float) -> Reach:
-    """Return a timestep, s, with its cost as a `Reach`; its word is "not timed" without timings."""
+    """Return a timestep, s, and its cost as a `Reach`.
+
+    If steps were not timed, the word is "not timed", and timestep and cost are None.
+    """
     if curve.seconds_per_step is None:
         return Reach(level, "not timed", f"a timestep of {timestep:.3g} s, its steps not timed")
     return Reach(level, how, reason, timestep, curve.seconds_per_step / timestep)

@@ -88,7 +88,10 @@ class Members:
         return tuple(point for point in self.points if point.errors is not None)
 
     def errors(self, measure: Measure) -> FloatArray:
-        """Return the values of a measure for the runs that finished, ascending, (k,)."""
+        """Return the values of a measure for the k finished runs of which it is known, (k,).
+
+        The values are in ascending order.
+        """
         return _known(measure, self.finished)
 
     def quantiles(self, measure: Measure) -> tuple[float | None, ...] | None:
@@ -108,7 +111,7 @@ class Members:
 
 
 def _known(measure: Measure, points: Iterable[Row]) -> FloatArray:
-    """Return the values of a measure for the runs of which it is known, ascending, (k,)."""
+    """Return the values of a measure for the k runs of which it is known, ascending, (k,)."""
     values = (measure.of(point) for point in points)
     return np.sort(np.array([value for value in values if value is not None], dtype=float))
 

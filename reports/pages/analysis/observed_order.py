@@ -21,10 +21,10 @@ def observed_order(
 ) -> float | None:
     """Return the order with which errors shrink: the slope of log error against log timestep.
 
-    Errors are usable if they are in the asymptotic range, and above round-off and the reference's
-    uncertainty. The slope, with its sign, is fitted by least squares to `FITTED_RUNGS` usable
-    errors at successive timesteps. If only two errors are usable, the slope between them is
-    returned.
+    Errors are usable if they are in the asymptotic range, above round-off, and above
+    `ABOVE_UNCERTAINTY` times the reference's uncertainty. The slope, with its sign, is fitted by
+    least squares to `FITTED_RUNGS` usable errors at successive timesteps. If only two errors are
+    usable, the slope between them is returned.
 
     There may be several such groups of errors. A group is straight if its two slopes differ by at
     most `ORDER_SLACK`. The finest straight group whose errors shrink is used; if none shrinks, the

@@ -47,10 +47,13 @@ _FILLED: "WeakKeyDictionary[ReportData, Tables]" = WeakKeyDictionary()
 
 
 def ask(gathered: ReportData, question: str, *values: Any) -> list[Any]:
-    """Return the rows that an SQL query selects from the tables that this module describes.
+    """Return the rows that an SQL query selects from the results of a report.
+
+    The tables are `run`, `tried`, `unasked` and `altered`, and the views `own` and `usual`.
 
     Parameters
     ----------
+    gathered : the results; they are put into the tables when the first query is asked
     question, values : the query, and values for its question marks
     """
     if gathered not in _FILLED:
@@ -59,7 +62,7 @@ def ask(gathered: ReportData, question: str, *values: Any) -> list[Any]:
 
 
 def _filled(gathered: ReportData) -> Tables:
-    """Return the tables that this module describes, filled from a report's data."""
+    """Return the tables `run`, `tried`, `unasked` and `altered`, filled from a report's data."""
     place = {pair: k for k, pair in enumerate(gathered.pairs)}
     every = [(scene, runs, place[runs.pair]) for scene in gathered.scenes for runs in scene.methods]
     rows = [row for _, runs, _ in every for row in runs.rows]

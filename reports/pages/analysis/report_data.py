@@ -35,7 +35,8 @@ class MethodRuns(OfMethod):
 
     Attributes
     ----------
-    rows : the runs in which nothing is varied, such as the member of an ensemble, coarse to fine
+    rows : the runs, coarse to fine, without those on members of ensembles and those with some of
+        the engine's defaults switched off
     verdict : the verdict; None if the study was stopped before there was one
     declared : what the adapter declared about the method when it ran; None if the file lacks it
     style : how the method's curves are drawn
@@ -103,8 +104,8 @@ class SceneRuns:
     ----------
     solved : the scene and its exact motion; None if the motion could not be solved
     methods : the runs of each method
-    defaults : for each engine for which it was measured, what each of its defaults does to the
-        motion
+    defaults : what each default of an engine does to the motion, for the engines for which that was
+        measured
     """
 
     name: str

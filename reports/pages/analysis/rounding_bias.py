@@ -24,8 +24,9 @@ MOST = 64.0
 def rounding_bias(runs: MethodRuns) -> float | None:
     """Return the bias of a method's rounding: the drift of a momentum a step, ulp of 24 bits.
 
-    A drift counts as a bias if the drift a step is the same in the finest `RUNS` runs of the
-    ladder: rounding in one direction adds the same in every step, however long the step.
+    A drift counts as a bias if it is larger than random rounding makes it, and if the drift a step
+    is about the same in the finest `RUNS` runs of the ladder: rounding in one direction adds the
+    same in every step, however long the step.
 
     Returns
     -------

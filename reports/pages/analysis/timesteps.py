@@ -58,7 +58,8 @@ def survival(rows: Iterable[Row], fastest_rate: float | None) -> Survival | None
 def in_words(survived: Survival | None) -> tuple[str, str]:
     """Return the largest survived timestep, s, and its turn, rad a step, as texts for two columns.
 
-    Both are `NOTHING` if `survived` is None. They begin with "≥" if all runs survived.
+    Both begin with "≥" if all runs survived. Both are `NOTHING` if `survived` is None. If the
+    finest run did not survive, the texts are "at none tested" and `NOTHING`.
     """
     if survived is None:
         return NOTHING, NOTHING

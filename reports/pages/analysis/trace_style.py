@@ -36,7 +36,8 @@ SYMBOLS = (
 class TraceStyle:
     """How the curves of a method are drawn: colour, and Plotly's names of dash and marker.
 
-    Methods of the same name share a colour in all engines; dash and marker tell them apart.
+    Methods of the same name, unless they are as shipped, share a colour in all engines; dash and
+    marker tell them apart.
     """
 
     colour: str

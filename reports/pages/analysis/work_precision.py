@@ -98,9 +98,9 @@ class Curve(OfMethod):
     def observed_order(self) -> float | None:
         """The slope of log error against log timestep, fitted to the finest usable runs.
 
-        A run is usable if its error is in the asymptotic range, and above round-off and the
-        reference's uncertainty. If there are too few such runs, the order is that of the verdict,
-        `order`, which may be None.
+        A run is usable if its error is in the asymptotic range, above round-off, and well above the
+        reference's uncertainty. If fewer than two runs are usable, the order is that of the
+        verdict, `order`, which may be None.
         """
         timesteps = np.array([point.timestep for point in self.stable])
         errors = np.array([point.error for point in self.stable])
@@ -115,7 +115,7 @@ class Curve(OfMethod):
         As a single larger error may be chance, there must be at least two runs at shorter
         timesteps, stock ones included, and the finest must have an error larger by the factor
         `GROWN`. In addition, their errors must either grow from each run to the next, or all be
-        larger by that factor without falling again at the end.
+        larger by that factor, with the finest run's at least the largest divided by `GROWN`.
         """
         if not self.stable:
             return None

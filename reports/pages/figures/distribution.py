@@ -25,10 +25,10 @@ def distribution(
     trace_styles: Mapping[Pair, TraceStyle],
     measure: Measure,
 ) -> Figure:
-    """Return a figure of the percentage of an ensemble's members whose error is at most a value.
+    """Return a figure of how the errors of an ensemble's members are distributed.
 
-    Each method has a curve over that value, which ends at the percentage of its members that
-    finished. At least one error must be above 0.
+    Each method has a curve of the percentage of members whose error is at most the abscissa. It
+    ends at the percentage of members whose runs finished. At least one error must be above 0.
 
     Parameters
     ----------

@@ -40,8 +40,9 @@ _ABOVE_LINE = {"yanchor": "bottom", "showarrow": False}
 def potential(scenario: Scenario) -> Figure | None:
     """Return a figure of the effective potential V_eff over the tilt, with E′ and turning points.
 
-    E′ = E − p_γ²/2 I₃ is the energy without that of the spin about the symmetry axis. None is
-    returned unless the motion is the nutation of a heavy symmetric top.
+    E′ = E − p_γ²/2 I₃ is the energy E without that of the spin about the symmetry axis; about this
+    axis, p_γ is the angular momentum and I₃ the moment of inertia. None is returned unless the
+    motion is the nutation of a heavy symmetric top.
     """
     problem = rotational_problem(scenario)
     top = heavy_symmetric_top(problem)
@@ -57,7 +58,9 @@ def potential(scenario: Scenario) -> Figure | None:
 def _well(
     top: HeavySymmetricTop, tilts: FloatArray, heights: FloatArray, ends: FloatArray
 ) -> Figure:
-    """Return a figure of V_eff over the tilt, with E′ as a level line between the turning points.
+    """Return a figure of a top's effective potential V_eff over the tilt.
+
+    The energy E′ is a level line, on which the turning points are marked.
 
     Parameters
     ----------
@@ -91,10 +94,12 @@ def _well(
 def _heights(heights: FloatArray, energy: float) -> Range:
     """Return the range of the vertical axis, J, from below the bottom of V_eff to above E′.
 
+    If E′ is hardly above the bottom, the range ends at the largest finite V_eff.
+
     Parameters
     ----------
-    heights : V_eff, J, (n,); some values may be infinite
-    energy : E′, J
+    heights : the effective potential V_eff, J, (n,); some values may be infinite
+    energy : the energy E′ at which the tilt moves in that potential, J
     """
     bottom, highest = float(heights.min()), float(heights[np.isfinite(heights)].max())
     depth = energy - bottom

@@ -157,7 +157,7 @@ def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
 
 
 def _front(scene: SceneRuns, signal: Signal) -> Trace:
-    """Return the Pareto front of all methods on a scene, drawn as steps."""
+    """Return the Pareto front of all methods on a scene, in errors of a signal, drawn as steps."""
     best = [point for _, point in front(curves(scene, signal.name))]
     return line(
         np.array([point.cost for point in best], dtype=float),
@@ -238,7 +238,10 @@ def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
 
 
 def _guides(scene: SceneRuns, signal: Signal) -> Iterator[Trace]:
-    """Yield a guide line for each declared order, below the curves of the methods of that order."""
+    """Yield a dotted line for each declared order, below the curves of the methods of that order.
+
+    In the logarithms of error and timestep, the slope of the line is the order.
+    """
     orders = {
         runs.label: signal.declared_order(runs.declared.order, runs.declared.attitude_order)
         for runs in scene.methods
@@ -266,7 +269,7 @@ def _readable(scene: SceneRuns, row: Row, signal: Signal) -> bool:
 
 
 def _guide(anchor: tuple[float, float], order: int, scene: SceneRuns, signal: Signal) -> Trace:
-    """Return a guide line for an order, drawn below a point of a curve.
+    """Return a dotted line that falls as Δtᵖ, p being an order, drawn below a point of a curve.
 
     Parameters
     ----------

@@ -71,8 +71,9 @@ def why(gathered: ReportData, one: Usual, harmless: Collection[str]) -> str:
 
     If the engine disagrees with the equations of motion on any scene, the text says what it alters
     or adds by default on those scenes, if that is known. Scenes on which it diverges are only
-    counted, as its integrator alone may be the reason. If it disagrees on none, the text says that
-    its errors are those of its integrator. The text is empty if all verdicts are "unsupported".
+    counted, as its integrator alone may be the reason. If the engine disagrees on no scene and
+    converges on some, the text says that its errors are those of its integrator. The text is empty
+    if all verdicts are "unsupported".
 
     Parameters
     ----------
@@ -113,8 +114,8 @@ def _counts(kind: VerdictKind) -> bool:
 def _by_each_default(gathered: ReportData, one: Usual) -> str:
     """Return, in words, which defaults alter the motion by themselves, and on how many scenes.
 
-    Only scenes on which the method disagrees are counted. The text is empty if no default does, or
-    if that was not measured.
+    Only scenes on which the method disagrees are counted. The text is empty if no default alters
+    the motion there, or if the defaults were not measured one by one.
     """
     counted = ask(
         gathered,

@@ -46,14 +46,14 @@ COST = (
 def answer(gathered: ReportData, left_out: Collection[MethodCost] = ()) -> dict[str, Any] | None:
     """Return the contents of the first screen, made from the plain scenes alone, as a dictionary.
 
-    `lead` says how large the errors of defaults are, and the errors of the methods that are
-    recommended instead. `table` has a column for each of these methods. `about` says what the
-    numbers in the table are. `why` has the reasons for the errors. None is returned if no engine as
-    shipped was run.
+    `lead` says how large the errors of at most two engines as shipped are, and those of the methods
+    that are recommended instead. `table` has a column for each of these engines and methods.
+    `about` says what the numbers in the table are. `why` has the reasons for the errors. None is
+    returned if no engine as shipped was run.
 
     Parameters
     ----------
-    left_out : costs of steps of engines from which nothing is left out
+    left_out : costs of steps of engines, made with passes that adapters otherwise leave out
     """
     plain = gathered.plain
     tried = at_stock(plain)
@@ -148,7 +148,7 @@ def _column(
     Parameters
     ----------
     one, default : the runs of the method, and of the engine as shipped, at stock timesteps
-    left_out : costs of steps of engines from which nothing is left out
+    left_out : costs of steps of engines, made with passes that adapters otherwise leave out
     finest : what rounding does to the method; None if it does nothing
     """
     of_steps = "SELECT scene, seconds FROM usual WHERE engine = ? AND method = ?"
@@ -236,7 +236,8 @@ def _price(seconds: Mapping[str, float | None], base: Mapping[str, float | None]
 
     Parameters
     ----------
-    seconds, base : CPU time of a step on each scene, s; and the time by which it is divided
+    seconds, base : by scene, the CPU time of a step, s, and the one by which it is divided; None if
+        not timed
     """
     ratios = [dear / cheap for name, dear in seconds.items() if dear and (cheap := base.get(name))]
     if not ratios:

@@ -85,8 +85,9 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
 
     The entry `columns` has the methods. Each entry of `scenes` has a cell for each column, and the
     best choices, the best first. A cell is None if the method was not tried on the scene. Otherwise
-    it has a run for each name in `AT`, or None if there is no such run. An error that does not
-    exceed the reference's uncertainty is given as that uncertainty with a minus sign.
+    it has the runs at the engine's own stock timestep and at 1 ms, and the finest run that is `ok`
+    (`AT`); each is None if there is no such run. An error that does not exceed the reference's
+    uncertainty is given as that uncertainty with a minus sign.
     """
     steps = own_timesteps(gathered)
     shipped = as_shipped(gathered)

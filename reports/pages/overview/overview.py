@@ -56,7 +56,7 @@ def headline(gathered: ReportData) -> str:
 
 
 def at_stock(gathered: ReportData) -> str:
-    """Return in words how many runs keep the attitude to within `CLOSE` at their stock timestep.
+    """Return in words how many runs keep the attitude to within 1° at their stock timestep.
 
     Only runs of clean methods with the verdict `converges` are counted: that verdict says nothing
     about the errors at a given timestep. The text is empty if there are no such runs.
@@ -139,7 +139,10 @@ def complaints(
 
 
 def _declared_orders(declared: Method | None) -> str:
-    """Return the declared orders of ω and attitude as text; one number if both are the same."""
+    """Return the declared orders of ω and attitude as text; one number if both are the same.
+
+    The text is `NOTHING` if the declaration is not known.
+    """
     if declared is None:
         return NOTHING
     if declared.order == declared.attitude_order:

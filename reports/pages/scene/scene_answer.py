@@ -116,9 +116,10 @@ def attitude_in_degrees(scene: SceneRuns, row: Row) -> str:
 
 
 def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
-    """Return sentences on the errors of defaults and of the best choice, or why there is none.
+    """Return sentences on the errors of defaults and of the best choice.
 
-    If the runs are recorded motions, the sentences are about those alone.
+    If there is no best choice, a sentence says why nothing is recommended. If the runs are recorded
+    motions, the sentences are about those alone.
     """
     defaults = closest_defaults(scene)
     if _is_of_files(scene):
