@@ -49,7 +49,10 @@ class SceneReference:
         self._solved: Prepared | CallFailed | None = None
 
     def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
-        """Return the exact motion, after storing it; or the failure, if it cannot be found."""
+        """Return the exact motion; or the failure, if it cannot be found.
+
+        The first call solves and stores it. Later calls return the same.
+        """
         with self._solving:
             if self._solved is None:
                 self._solved = self._solve(executor)
@@ -74,7 +77,7 @@ class SceneReference:
 def prepare(
     scenario: Scenario, timesteps: Sequence[float], max_steps: int, stock: Sequence[float] = ()
 ) -> Prepared:
-    """Return a scene's exact motion at the sample times of all runs, and the timesteps of these.
+    """Return the timesteps and samples of all runs on a scene, and its exact motion at the samples.
 
     If the exact motion ends at a horizon, the runs end there, too.
 

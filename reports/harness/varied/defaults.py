@@ -18,7 +18,7 @@ def varied_row(scenario: Scenario, engine: Engine, run: Run, rung: Rung, solutio
 
     Parameters
     ----------
-    engine : the varied engine
+    engine : the engine that made the run, of which something is varied (`Engine.varied`)
     solution : the exact motion at the samples of the rung
     """
     key = Key(scenario.name, engine.name, run.method)
