@@ -61,7 +61,10 @@ class SceneReference:
             return self._solved
 
     def _solve(self, executor: Executor) -> Prepared | CallFailed:
-        """Return the exact motion at all times that the chosen runs need, solved by a call."""
+        """Call `prepare` by the executor, for all runs that are chosen; return what it returns.
+
+        If the call fails, the failure is returned.
+        """
         scenario, choice = self._scenario, self._choice
         timesteps = {*choice.timesteps, *(expected.timestep for expected in scenario.expect)}
         stock = {dt for engine in choice.engines for dt in stock_timesteps(engine)}

@@ -138,7 +138,8 @@ def _run_with_some_defaults(study: ConvergenceStudy, executor: Executor, store: 
 def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
     """Return whether the evidence and all runs of a study are stored.
 
-    Stored rows are added to the study, up to the first that is missing or does not suffice.
+    Stored rows are added to the study, up to the first that is missing or does not suffice
+    (`PlannedRun.is_answered_by`).
 
     Parameters
     ----------

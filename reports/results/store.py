@@ -115,11 +115,11 @@ class Store:
         return sha256(joined.encode()).hexdigest()[:DIGITS] if any(parts) else ""
 
     def _take_fingerprints(self, fingerprints: Iterable[Fingerprint]) -> None:
-        """Take fingerprints as those that results must rest on to count from now on."""
+        """Keep fingerprints for `_digest`; results that rest on others no longer count."""
         self._fingerprints |= {(f.scenario, f.engine, f.kind): f.digest for f in fingerprints}
 
     def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
-        """Store the fingerprints that results of a scene must rest on to count from now on.
+        """Store fingerprints of a scene; its results that rest on others no longer count.
 
         Parameters
         ----------

@@ -226,8 +226,9 @@ class _Study:
     def row(self) -> BatchRow:
         """Run the batches that are compared, and return the completed row.
 
-        One batch has no odd neighbours, another one has all kinds of them. If these change a
-        motion, further batches are run, each with one kind only.
+        In one batch all worlds are alike; another one also has worlds of all three odd scenes
+        (`neighbours_of`). If these change a motion, further batches are run, each with one of the
+        odd scenes only.
         """
         begun, odd = self.begun, neighbours_of(self.scenario)
         alike = self._batch(())
@@ -285,7 +286,7 @@ class _Study:
 
     @property
     def _free(self) -> list[int]:
-        """The indices of the places for odd neighbours: all that are not compared."""
+        """The indices of the places that are not compared, where worlds of odd scenes are put."""
         return [k for k in range(self.begun.worlds) if k not in self._places]
 
     def _batch(self, odd: Sequence[Scenario], ends: Sequence[int] = ()) -> _Motion:
@@ -328,7 +329,7 @@ class _Study:
         return [1 << k for k in range(last.bit_length()) if 1 << k < last] + [last]
 
     def _alone(self, ends: Sequence[int]) -> _Motion:
-        """Run the world in a session of its own; return its motion, repeated for each place.
+        """Run one world in `session`, outside any batch; return its motion, repeated by place.
 
         Parameters
         ----------
