@@ -65,7 +65,10 @@ class SceneChange:
     is_mirrored: bool = False
 
     def scene(self, scenario: Scenario) -> Scenario:
-        """Return the changed scene; its body and start are converted in extended precision."""
+        """Return a scene in the new axes, origin and units.
+
+        Its body and start are converted in extended precision.
+        """
         with mp.workdps(DIGITS):
             window = scenario.window.model_copy(
                 update={"duration": scenario.window.duration * self.time}

@@ -65,7 +65,7 @@ class EncodedEngine(Engine):
 
     @property
     def sources(self) -> tuple[Path, ...]:
-        """The files of the engine's adapter, and the further files that results depend on."""
+        """The files of the wrapped engine's adapter, and those that are its own `sources`."""
         folder = Path(inspect.getfile(type(self.base))).parent
         return (*sorted(folder.glob("*.py")), *self.base.sources)
 
@@ -100,8 +100,9 @@ class EncodedEngine(Engine):
         body: BodyReading,
         state: State,  # noqa: ARG002
     ) -> list[Difference]:
-        """Return the differences between the engine's body and the scene's above `SAME_BODY` ulp.
+        """Return the quantities of the engine's body that are off by more than `SAME_BODY` ulp.
 
+        They are compared with those of the scene's body, in the axes and units of the scene.
         The start is not compared: if it is wrong, the motion is wrong too.
         """
         own, change = scenario.body, self.encoding.change(scenario)

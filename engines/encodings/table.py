@@ -29,7 +29,7 @@ def _none(scenario: Scenario) -> SceneChange:  # noqa: ARG001
 
 @lru_cache(maxsize=KEPT)
 def _scene(change: Callable[[Scenario], SceneChange], scenario: Scenario) -> Scenario:
-    """Return the changed scene; recent results are kept.
+    """Return a scene in the axes, origin and units of an encoding; recent results are kept.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Encoding:
     summary : what it changes, in words
     change : function that returns the change of axes, origin and units of a scene
     description : how the changed body is written into a model
-    effects : names of the effects that a scene may have
+    effects : names of the effects that a scene may have if it is to be given in this encoding
     needs_free : whether the encoding applies only to scenes with a free body
     """
 
@@ -60,7 +60,7 @@ class Encoding:
     needs_free: bool = False
 
     def scene(self, scenario: Scenario) -> Scenario:
-        """Return the changed scene."""
+        """Return a scene in the axes, origin and units of this encoding."""
         return _scene(self.change, scenario)
 
     def why_not(self, engine: Engine, scenario: Scenario) -> str:

@@ -132,8 +132,8 @@ def away_from(body: Body) -> Vector:
 def _shared(body: Body, count: int) -> tuple[Part, ...]:
     """Return `count` parts of equal mass, in a row along the principal axis of the least moment.
 
-    Of the body's Σ m x² along that axis, half is due to the places of the parts, and half to their
-    own tensors.
+    Let x be the coordinate along that axis from the body's com. Half of Σ m x² is due to the
+    positions of the parts' coms, and half to the tensors of the parts.
     """
     axis, spread = _longest(body)
     squares = sum((2 * k - count + 1) ** 2 for k in range(count))
@@ -163,7 +163,7 @@ def _shared(body: Body, count: int) -> tuple[Part, ...]:
 
 
 def _longest(body: Body) -> tuple[Vector, mpf]:
-    """Return the axis of the least principal moment, and the body's Σ m x², kg m².
+    """Return the axis of the least principal moment, and the sum Σ m x² over the body, kg m².
 
     The axis is a unit vector, body axes, and x is the coordinate along it from the com.
     """

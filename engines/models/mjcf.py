@@ -72,8 +72,8 @@ def mjcf(
     ----------
     timestep : s
     integrator : MuJoCo's name of the integrator; None for MuJoCo's default
-    left_in : names of passes that stay on although the scene does not need them; others returned by
-        `switched_off` are switched off
+    left_in : MuJoCo's names of the parts of a step, of those that `switched_off` returns, that stay
+        on although the scene does not need them; the others are switched off
     description : how the body is written into the model
     """
     root = ET.Element("mujoco", model=scenario.name)
@@ -99,7 +99,10 @@ def mjcf(
 
 
 def switched_off(scenario: Scenario) -> tuple[str, ...]:
-    """Return MuJoCo's names of the passes that the scene does not need."""
+    """Return MuJoCo's names, such as "contact", of the parts of a step that a scene does not need.
+
+    They are the names of its flags (attributes of `flag` in MJCF).
+    """
     effects = scenario.called_for
     joint_damping = "drag" in effects and not scenario.constraint.is_free
     needed = {

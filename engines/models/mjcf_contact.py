@@ -28,7 +28,10 @@ def off_its_table(scenario: Scenario) -> Scenario:
 
 
 def sphere_and_plane(scenario: Scenario) -> tuple[float, float]:
-    """Return the radius, m, of the sphere about the body's tip, and the height of the plane, m."""
+    """Return the radius of the sphere and the height of the plane that replace a table, m.
+
+    The sphere is a part of the body, with its centre at the tip.
+    """
     table, lever = scenario.effects.table, float(np.linalg.norm(scenario.constraint.lever))
     assert table is not None
     radius = table.radius or SHARE_OF_LEVER * lever or 1.0
@@ -43,7 +46,7 @@ def with_contact(text: str, scenario: Scenario) -> str:
 
     Parameters
     ----------
-    text : MJCF of the scene without its table, in which the passes of `PASSES` are on
+    text : MJCF of the scene without its table, in which contacts are switched on (`PASSES`)
     scenario : the scene with its table
     """
     table, (radius, height) = scenario.effects.table, sphere_and_plane(scenario)

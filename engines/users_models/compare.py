@@ -47,7 +47,8 @@ class BodyDifference:
 def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
     """Return the difference between an engine's body and the one that a file states.
 
-    If the file states zero for a quantity, the difference is 0 or infinite.
+    If the file states zero for a quantity, its relative difference is 0 if the engine has zero too,
+    else infinite.
 
     Parameters
     ----------

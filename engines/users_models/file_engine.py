@@ -104,8 +104,8 @@ class FileEngine(Engine):
 
     Attributes
     ----------
-    reader : the engine's reader of whole files. If one of its configurations reads files as a
-        method of the engine does, it has the method's name
+    reader : the engine's reader of whole files. A configuration of the reader that reads files as a
+        method of the engine does has the method's name
     """
 
     interface = 1

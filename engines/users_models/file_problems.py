@@ -109,11 +109,11 @@ def _placeholder(stated: Stated) -> Iterator[tuple[str, str]]:
 
 
 def _beside_its_shapes(link: Link, stated: Stated) -> Iterator[tuple[str, str]]:
-    """Yield kind and text of each fault of a link's numbers, if its mass must fit its shapes.
+    """Yield kind and text of each fault of a link whose mass cannot lie within its shapes.
 
-    The variance of a mass distribution of width w is at most (w/2)² (T. Popoviciu 1935); along x
-    it is (Iyy + Izz − Ixx) / 2m. The mass is at most that of the box around the shapes if this were
-    of the densest element. The mass is not tested if the box is flat.
+    Two things are tested. The variance of a mass distribution of width w is at most (w/2)²
+    (T. Popoviciu 1935); along x it is (Iyy + Izz − Ixx) / 2m. And the mass is at most that of the
+    box around the shapes, filled with the densest element; a flat box is left out here.
     """
     box = shapes_box(link)
     if box is None:

@@ -315,7 +315,7 @@ def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
 
 
 def _by_z(values: FloatArray, _: Compiler) -> Rotation:
-    """Return the smallest rotation that takes z to a vector; if that is −z, it is about x."""
+    """Return the smallest rotation that takes z to a vector; about x if the vector is along −z."""
     x, y, z = _unit(values)
     sine = np.hypot(x, y)
     axis = np.array([-y / sine, x / sine, 0.0]) if sine else np.array([1.0, 0.0, 0.0])

@@ -43,10 +43,10 @@ def urdf_links(robot: Element) -> tuple[Link, ...]:
 
 
 def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, Element]]:
-    """Return the name of its parent and the joint for each link that is the child of a joint.
+    """Return the joint of each link that is the child of a joint, by the name of the child.
 
-    They are returned by the name of the child. `ModelFileError` is raised if a joint does not name
-    links of the file, or if a link is the child of two joints.
+    The joint is given by the name of its parent link and its element. `ModelFileError` is raised if
+    a joint does not name links of the file, or if a link is the child of two joints.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Lin
 
     Parameters
     ----------
-    joint : the name of its parent, and the joint that attaches it; None for a root
+    joint : the name of the link's parent, and the joint that attaches it to this; None for a root
     """
     parent, holder = joint or ("", None)
     inertial = element.only("inertial")

@@ -42,7 +42,7 @@ class Choice:
         return min(self.max_steps, QUICK_STEPS) if in_passing else self.max_steps
 
     def times(self, scenario: Scenario) -> bool:
-        """Whether steps are timed on a scene."""
+        """Whether the cost of a step is measured on a scene."""
         return self.timed and not (self.hard_in_passing and scenario.hard)
 
     def pairs(self) -> list[EngineMethod]:

@@ -29,8 +29,8 @@ class PlannedRun:
     Attributes
     ----------
     solution : the exact motion at the samples of the rung
-    use : `ladder` or `above` (the ladder), `stock` (at a stock timestep), or `single` (at a
-        timestep that a user or an expectation names)
+    use : what the run's timestep is: `ladder`, a rung of the ladder; `above`, longer than all
+        rungs; `stock`, a stock timestep; `single`, one that a user or an expectation names
     judged : whether the result file has evidence from this run, so that its samples are not needed
     expectations : expectations of the scene for this timestep
     """
@@ -44,9 +44,9 @@ class PlannedRun:
     def is_answered_by(self, row: Row) -> bool:
         """Whether a stored row suffices, so that this run need not be made again.
 
-        The row of an `ok` run must have the motion at all samples, since the motion is judged,
-        drawn, and compared with expectations. The motion is not needed if the run was judged
-        before. Neither is it needed of a `single` or `above` run without expectations.
+        The row of a run that is not `ok` suffices. That of an `ok` run must have the motion at all
+        samples, since the motion is judged, drawn, and compared with expectations. The motion is
+        not needed if the run was judged before, or is `single` or `above` without expectations.
         """
         if row.outcome != "ok" or self.judged:
             return True
@@ -66,8 +66,8 @@ class ConvergenceStudy:
     singles : runs at timesteps that a user asked for, or that an expectation of the scene names
     stock : runs at stock timesteps
     before : the stored evidence that the method was judged by before; None if there is none
-    rows, single_rows, above_rows, stock_rows : the rows so far, of the ladder, of single timesteps,
-        of timesteps above the ladder, and of stock timesteps
+    rows, single_rows, above_rows, stock_rows : the rows so far, of the ladder's rungs, of single
+        timesteps, of timesteps longer than all rungs, and of stock timesteps
     unmet : expectations of the scene that were not met, in words
     places : exact states from which the method's single steps are tested, and the timesteps of
         these steps; None if single steps are not tested
@@ -154,6 +154,7 @@ class ConvergenceStudy:
 
         The order is: single timesteps; the ladder, coarse to fine, until no finer rung is needed;
         timesteps above the ladder, fine to coarse, until a run does not survive; stock timesteps.
+        Without a ladder only the single timesteps are run.
         """
         for single in self.singles:
             row = yield single

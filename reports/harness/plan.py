@@ -88,9 +88,10 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
 
 
 def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:
-    """Return the stored verdicts on a scene, except of methods with a failure that may pass.
+    """Return the stored verdicts on a scene, for `choice.timesteps`, that need not be made again.
 
-    Such a failed run may succeed if it is made again (`may_succeed_if_repeated`).
+    Those on a method are left out if one of its failed runs may succeed when it is made again
+    (`may_succeed_if_repeated`), or if its ladder ended at a lower step limit than the present one.
     """
     to_repeat = {
         row.key
@@ -119,10 +120,11 @@ def _has_untimed(
 
 
 def can_be_timed(scenario: Scenario, pair: EngineMethod, verdict: Verdict | None) -> bool:
-    """Whether the steps of a method on a scene can be timed, as far as its verdict tells.
+    """Whether the steps of a method on a scene can be timed, as far as that is known.
 
-    A method that differs from another only in how it reads models is not timed, as both take the
-    same steps.
+    They cannot if the verdict is `failed` or `unsupported`, or if the engine does not support the
+    scene. A method that differs from another only in how it reads models is not timed, as both take
+    the same steps.
 
     Parameters
     ----------

@@ -49,7 +49,10 @@ class SceneReference:
         self._solved: Prepared | CallFailed | None = None
 
     def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
-        """Return the exact motion, after storing it; or the failure, if it cannot be found."""
+        """Return the exact motion; or the failure, if it cannot be found.
+
+        The first call solves and stores it. Later calls return the same.
+        """
         with self._solving:
             if self._solved is None:
                 self._solved = self._solve(executor)
@@ -58,7 +61,10 @@ class SceneReference:
             return self._solved
 
     def _solve(self, executor: Executor) -> Prepared | CallFailed:
-        """Return the exact motion at all times that the chosen runs need, solved by a call."""
+        """Call `prepare` by the executor, for all runs that are chosen; return what it returns.
+
+        If the call fails, the failure is returned.
+        """
         scenario, choice = self._scenario, self._choice
         timesteps = {*choice.timesteps, *(expected.timestep for expected in scenario.expect)}
         stock = {dt for engine in choice.engines for dt in stock_timesteps(engine)}
@@ -74,7 +80,7 @@ class SceneReference:
 def prepare(
     scenario: Scenario, timesteps: Sequence[float], max_steps: int, stock: Sequence[float] = ()
 ) -> Prepared:
-    """Return a scene's exact motion at the sample times of all runs, and the timesteps of these.
+    """Return the timesteps and samples of all runs on a scene, and its exact motion at the samples.
 
     If the exact motion ends at a horizon, the runs end there, too.
 

@@ -138,7 +138,8 @@ def _run_with_some_defaults(study: ConvergenceStudy, executor: Executor, store: 
 def is_run(study: ConvergenceStudy, stored: Mapping[float, Row]) -> bool:
     """Return whether the evidence and all runs of a study are stored.
 
-    Stored rows are added to the study, up to the first that is missing or does not suffice.
+    Stored rows are added to the study, up to the first that is missing or does not suffice
+    (`PlannedRun.is_answered_by`).
 
     Parameters
     ----------
@@ -207,8 +208,9 @@ def convergence_study_of(
 
     Parameters
     ----------
-    timesteps : s; if there are any, the only runs are at these and at timesteps with expectations,
-        without ladder and stock timesteps
+    timesteps : the timesteps asked for, s. If there are any, runs are made only at these, and at
+        timesteps with expectations; else at those with expectations, on the ladder, and at stock
+        timesteps
     before : the stored evidence that the method was judged by before; None if there is none
     """
     singles = []
@@ -237,9 +239,10 @@ def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run
 
 
 def _examine(study: ConvergenceStudy, executor: Executor) -> None:
-    """Examine the method's single steps from exact states, by a call, and set the evidence.
+    """Examine the method's single steps from exact states, by a call of the executor.
 
-    Nothing is done if single steps are not tested, or their evidence is known already.
+    The evidence, or why there is none, is set in the study. Nothing is done if single steps are not
+    tested, or if their evidence is known already.
     """
     at, site = study.places, study.engine.site
     if at is not None and study.steps is None:
@@ -252,9 +255,10 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
 
 
 def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
-    """Replay the ladder's finest run and other runs, by a call, and set the evidence.
+    """Replay the ladder's finest run and other runs, by a call of the executor.
 
-    Nothing is replayed if single steps show a fault or could not be examined.
+    The evidence, or why there is none, is set in the study. Nothing is replayed if single steps
+    show a fault or could not be examined.
     """
     at, steps, site = study.places, study.steps, study.engine.site
     ladder, others = study.made_runs

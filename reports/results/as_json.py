@@ -12,8 +12,9 @@ from .records import MOTIONS, Key, Record
 def as_json(record: Record) -> dict[str, Any]:
     """Return a record as a JSON object, without its motion.
 
-    The names in its `Key` are entries of their own, and so is the error in each signal, which is
-    null if the run has none.
+    Each field is an entry, with two exceptions. In place of a `Key` there are three entries: scene,
+    engine and method. In place of a run's errors there is one entry for each signal, null if the
+    run has no error in this signal.
     """
     content: dict[str, Any] = {}
     for field in fields(record):

@@ -29,26 +29,27 @@ _MOMENTUM = next(one.wrong_momentum for one in EFFECTS.values() if one.wrong_mom
 
 
 def vector(numbers: Sequence[float]) -> str:
-    """Return numbers as text in brackets; zeros but for rounding are written as 0."""
+    """Return numbers as text in brackets; those that are zero but for rounding are written as 0."""
     least = ROUNDING * max(map(abs, numbers))
     return f"[{', '.join(f'{n if abs(n) > least else 0.0:.7g}' for n in numbers)}]"
 
 
 def _fitted_vector(numbers: Sequence[float]) -> str:
-    """Return fitted numbers as text in brackets; zeros but for errors of the fit are written as 0.
+    """Return fitted numbers as text in brackets.
 
-    These are smaller than 10⁻⁶ of the largest number.
+    Numbers smaller than 10⁻⁶ of the largest are zero but for errors of the fit, and are written as
+    0.
     """
     least = 10.0**-DIGITS * max(map(abs, numbers))
     return vector([n if abs(n) > least else 0.0 for n in numbers])
 
 
 def _factor(numbers: Sequence[float]) -> str:
-    """Return the factor 1 + change as text, with enough digits to show the change.
+    """Return a factor as text, with enough digits to show how far it is from 1.
 
     Parameters
     ----------
-    numbers : the change alone
+    numbers : one number, the factor less 1
     """
     (change,) = numbers
     return f"{1 + change:.{7 if abs(change) > VISIBLE else 11}g}"
@@ -62,7 +63,12 @@ def _turn(numbers: Sequence[float]) -> str:
 
 
 def _slowed(numbers: Sequence[float]) -> str:
-    """Return "slowed by" or, for a negative number, "sped up by", followed by its size."""
+    """Return the words for a rate of slowing, such as "slowed by 0.1"; "sped up by" if negative.
+
+    Parameters
+    ----------
+    numbers : one number, the rate
+    """
     return f"{'slowed' if numbers[0] > 0 else 'sped up'} by {abs(numbers[0]):.3g}"
 
 
@@ -253,7 +259,7 @@ class Kind:
     shown : function that returns these numbers as text
     is_kinematic : whether the change is in how the attitude follows from ω, not in how ω changes
     special : words that replace the template if the first number has a given value, by that value;
-        ignored if empty
+        empty words do not replace it
     """
 
     template: str

@@ -7,12 +7,12 @@ from .records import MethodKey, Record, Size, Variation, varied_in
 
 @dataclass(frozen=True)
 class Ratio:
-    """The ratio of the CPU times of a step of two engines that are timed in turn.
+    """The CPU time of a step of a varied engine, divided by that of the unvaried engine.
 
     Attributes
     ----------
-    median, spread : median and interquartile range of the ratio, over the rounds in which each
-        engine is timed once
+    median, spread : median and interquartile range of the ratio, over rounds in each of which both
+        engines are timed once
     """
 
     median: Size
@@ -46,7 +46,8 @@ class MethodCost(Record):
     ----------
     processor : name of the processor
     cost : None if the steps cannot be timed
-    variation : JSON that says how the engine is varied; empty if it is not
+    variation : JSON that says how the engine is varied, for example which parts of a step it makes
+        that it leaves out by default; empty if the engine is not varied
     difference : for an engine that is varied to leave nothing out, the largest difference of any
         component of its state from that of the unvaried engine, SI; 0 if the motions are identical;
         None if they were not compared
@@ -63,5 +64,9 @@ class MethodCost(Record):
 
     @property
     def left_in(self) -> tuple[str, ...]:
-        """The names of the passes that the engine was varied to make, and leaves out by default."""
+        """The names of the passes (parts of a step) that were switched on for this measurement.
+
+        By default the adapter leaves them out, as the scene does not call for them. The tuple is
+        empty if nothing was switched on.
+        """
         return tuple(varied_in(self.variation).get("left_in", ()))

@@ -70,7 +70,7 @@ class Database:
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """Yield the connection; if the block raises, nothing that it has written is stored."""
+        """Yield the connection; store all that the block writes, or nothing if the block raises."""
         with self._one_at_a_time, self._connection:
             yield self._connection
             # This writes the page with the session's name into the log, so that every log shows to
@@ -85,7 +85,7 @@ class Database:
 
         Parameters
         ----------
-        where, order : the condition and the order, in SQL
+        where, order : the condition, and what the records are sorted by, in SQL
         values : values of the condition's parameters, its question marks
 
         Raises

@@ -17,6 +17,9 @@ DEFAULTS = "defaults"
 class DefaultEffect:
     """The effect of one default of a method as shipped.
 
+    A default is something that the engine does to motions unless it is told not to, such as
+    damping.
+
     Attributes
     ----------
     name : the engine's own name for the default

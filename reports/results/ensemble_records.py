@@ -34,7 +34,10 @@ class EnsemblePoint:
 
     @property
     def varied(self) -> dict[str, float]:
-        """What identifies the member's runs, by name: seed, number, and timestep unless None."""
+        """What identifies the member's runs, by name: seed, member (its number), and timestep.
+
+        The timestep is left out if it is None.
+        """
         parts: dict[str, float] = {"seed": self.seed, "member": self.number}
         return parts if self.timestep is None else {**parts, "timestep": self.timestep}
 

@@ -52,7 +52,7 @@ class Explanation:
 
     @model_validator(mode="after")
     def _is_known(self) -> "Explanation":
-        """Return the change; raise ValueError unless kind and number of `numbers` are valid."""
+        """Return the change; raise ValueError if its kind or the count of numbers is wrong."""
         if self.kind not in KINDS:
             raise ValueError("must be of a known kind")
         if len(self.numbers) != KINDS[self.kind].count:
@@ -75,10 +75,11 @@ class StepFault:
     quantity : the quantity that shows the difference best
     time : time of the exact state that shows it best, s; None if this is the start with ω turned to
         an axis that is no principal axis
-    timestep : timestep at which the difference shows, s
+    timestep : timestep at which the difference shows, s; 0 for `misread`
     got, wanted : the rate at which the quantity changes, and the rate at which it should change.
-        `got` is how far the state is off for `leap` and `misread`, and how much the rates of two
-        equal steps differ for `random`
+        For three kinds `wanted` is zero, and `got` is a difference: for `leap` how far the quantity
+        is off after a step; for `misread` how far ω is off, relative, the attitude, rad, and the
+        spins, relative; for `random` how much the rates of two equal steps differ
     changes : one or two changes that explain the gains of all states; empty if none are found
     """
 
@@ -95,8 +96,9 @@ class StepFault:
 class GainCurve:
     """The gains of one quantity at J timesteps, for a figure.
 
-    All are relative to the largest terms of the equations of motion. All but `largest` are of the
-    one state whose gains are the least probable.
+    All norms are relative to the largest terms of the equations of motion. Except for `largest`,
+    they are of the gains from one state: the one whose gains are the least probable for a method
+    that converges.
 
     Attributes
     ----------
@@ -130,7 +132,7 @@ def is_known(known_to: float, of_an_effect: float) -> bool:
     ----------
     known_to : the limit's standard error, or its size if that is larger, relative to the largest
         terms of the equations of motion
-    of_an_effect : the same, relative to the weakest effect of the scene
+    of_an_effect : that error or size, relative to the weakest effect of the scene
     """
     return known_to <= CONSISTENT and of_an_effect <= SEEN
 
@@ -146,8 +148,9 @@ class StepEvidence:
         converges: the smallest tail times the number of tails (Bonferroni)
     known_to : the standard error of the gains' limit, or the limit's size if that is larger,
         relative to the largest terms of the equations of motion
-    of_an_effect : the same, relative to the weakest effect of the scene
-    order : the least order at which gains vanish with the timestep
+    of_an_effect : that error or size, relative to the weakest effect of the scene
+    order : the lower of the orders at which the gains of attitude and of I ω vanish with the
+        timestep; `declared` if both are hidden by noise
     declared : the declared order; 0 in single precision, where rounding hides it
     curves : one for each quantity whose gains are not all zero
     fault : how the steps differ from those of a method that converges; None if they do not
@@ -190,7 +193,8 @@ class ReplayEvidence:
     timestep : timestep of the run, s
     intervals : number of intervals that were replayed
     tail : the probability of differences as large as these, if a step depends only on the state
-    off : the largest difference per radian turned, of attitude in rad, or of ω relative
+    off : norm of the differences, attitude in rad and all else relative, divided by the angle that
+        the body turns in the interval, rad; of the interval with the least probable differences
     since : start of the first interval that differs, s; None if none does
     spread : difference of two replays of one interval, in the unit of `off`; 0 if the engine is
         deterministic

@@ -52,9 +52,10 @@ _STORING, _RULING = "reports.results", ("reports.results.verdict_words", "report
 def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fingerprint]:
     """Yield the digests of all that results of a scene depend on.
 
-    There is one for each kind of result, of scene and program, and one for each engine. The digest
-    of an engine at another version includes the name of its folder, which ends with the version of
-    Python that it runs under.
+    There is one for each kind of result, and one for each engine. That of a kind of result is made
+    from the modules that determine it; those of the exact motion and of the verdict also from the
+    scene. If an engine is installed in a folder of its own, as other versions of it are, its digest
+    includes the folder's name, which ends with the version of Python that it runs under.
     """
     scene = {"motion": scenario.digest, "verdict": scenario.judged_digest}
     for kind in DECIDING:

@@ -46,8 +46,8 @@ class Fingerprint(Record):
     ----------
     scenario : name of the scene
     engine : name of the engine whose results depend on the part; empty if all engines' results do
-    kind : name of the part: a kind of result (`fingerprints.DECIDING`), whose modules decide on it,
-        or `engine`
+    kind : name of the part: `engine`, for the engine and its adapter; or a kind of result (a key of
+        `fingerprints.DECIDING`), for the modules, and the scene, that determine such results
     digest : SHA-256, hexadecimal
     """
 

@@ -68,13 +68,13 @@ def variation(varied: Mapping[str, Any]) -> str:
 
     Parameters
     ----------
-    varied : values of what is varied, by name
+    varied : what is varied, by name, such as the seed and the member of an ensemble
     """
     return json.dumps(varied, sort_keys=True) if varied else ""
 
 
 def varied_in(text: str) -> dict[str, Any]:
-    """Return the values of what is varied, by name, from the text that `variation` returns."""
+    """Return what is varied in a run, by name, from the text that `variation` has made of it."""
     return json.loads(text) if text else {}
 
 
@@ -297,7 +297,10 @@ class Row(Record):
 
     @property
     def ending_in_words(self) -> str:
-        """Why and when the run ended as it did, and its timestep, in words."""
+        """Why and when the run ended as it did, and its timestep, in words.
+
+        If the engine cannot simulate one of the scene's effects, only the reason is given.
+        """
         when = f" at {self.stopped_at:.4g} s" if self.stopped_at is not None else ""
         if self.cause == "effects":
             return self.reason

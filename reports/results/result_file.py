@@ -221,9 +221,9 @@ def _check_log(path: Path) -> None:
 
 
 def _session(path: Path, options: str) -> str | None:
-    """Return the random name of the session that wrote to a file last.
+    """Return the random name that a file got when it was last opened for writing.
 
-    It is None if the file is damaged, or no result file.
+    None is returned if the file is damaged, or no result file.
 
     Parameters
     ----------

@@ -32,7 +32,8 @@ class Results:
     scenes : the scenes that were solved, by name
     rows : the runs in which nothing is varied
     verdicts : one for each method and scene
-    costs : costs of steps of varied engines; the costs of unvaried engines are in `rows`
+    costs : costs of steps of varied engines, such as those that leave no part of a step out; the
+        costs of unvaried engines are in `rows`
     defaults : the effects of engines' defaults, where they were measured
     evidence : what the verdicts rest on besides the runs
     methods : what each engine's adapter declares about its methods, in the adapter's order
@@ -57,11 +58,14 @@ class Results:
 
     @property
     def every_row(self) -> list[Row]:
-        """The runs in which nothing is varied, then the others, sorted by method and variation."""
+        """The runs in which nothing is varied, as in `rows`; then the others.
+
+        The others are sorted by scene, engine, method, what is varied, and timestep.
+        """
         return [*self.rows, *sorted(self.varied, key=_place)]
 
     def of(self, scene: str) -> Self:
-        """Return the results of one scene, with the environment and all declared methods."""
+        """Return the results of one scene; all that belongs to no scene is kept."""
         chosen: dict[str, Any] = {
             one.name: [record for record in records if record.key.scenario == scene]
             for one in fields(self)

@@ -75,11 +75,13 @@ class Store:
     def select(
         self, table: Table[R], where: str = "TRUE", values: Sequence[Any] = (), order: str = "rowid"
     ) -> list[R]:
-        """Return those stored records of a table that count and that a condition selects.
+        """Return the stored records of a table that a condition selects, and that count.
+
+        Records do not count if they rest on another version of scene, engine or program.
 
         Parameters
         ----------
-        where, order : the condition and the order, in SQL
+        where, order : the condition, and what the records are sorted by, in SQL
         values : values of the condition's parameters, its question marks
 
         Raises
@@ -91,7 +93,7 @@ class Store:
         return [table.read(one) for one in found if self._counts(table, one)]
 
     def _counts(self, table: Table[Any], columns: sqlite3.Row) -> bool:
-        """Whether a record counts: it was stored with the digest that it must have now."""
+        """Whether a record counts: the digest stored with it is the one that `_digest` returns."""
         return not table.rests_on or columns[DIGEST] == self._digest(table, columns)
 
     def _digest(self, table: Table[Any], columns: Mapping[str, Any] | sqlite3.Row) -> str:
@@ -113,11 +115,11 @@ class Store:
         return sha256(joined.encode()).hexdigest()[:DIGITS] if any(parts) else ""
 
     def _take_fingerprints(self, fingerprints: Iterable[Fingerprint]) -> None:
-        """Take fingerprints as those that results must rest on to count from now on."""
+        """Keep fingerprints for `_digest`; results that rest on others no longer count."""
         self._fingerprints |= {(f.scenario, f.engine, f.kind): f.digest for f in fingerprints}
 
     def rest_on(self, fingerprints: Sequence[Fingerprint]) -> int:
-        """Store the fingerprints that results of a scene must rest on to count from now on.
+        """Store fingerprints of a scene; its results that rest on others no longer count.
 
         Parameters
         ----------
@@ -135,7 +137,12 @@ class Store:
         return before - sum(self._counts(tables.VERDICTS, one) for one in verdicts)
 
     def tidy(self) -> int:
-        """Delete the records that do not count, and return their number."""
+        """Delete the records that rest on another version of scene, engine or program.
+
+        Returns
+        -------
+        The number of deleted records
+        """
         deleted = 0
         with self._database.transaction() as connection:
             for table in (table for table in tables.TABLES if table.rests_on):
@@ -222,19 +229,28 @@ class Store:
         return [v for v in stored if v.step_limit is None or v.step_limit >= step_limit]
 
     def rows_of(self, key: Key) -> list[Row]:
-        """Return the stored runs of a method on a scene in which nothing is varied."""
+        """Return the stored runs of a method on a scene, except those in which something is varied.
+
+        `Row.varied` tells what may be varied, such as the member of an ensemble.
+        """
         return self.select(tables.ROWS, _AS_IT_IS, _names(key))
 
     def failed_rows(self, scenario: str) -> list[Row]:
-        """Return the failed runs of a scene in which nothing is varied."""
+        """Return the failed runs of a scene, except those in which something is varied.
+
+        `Row.varied` tells what may be varied, such as the member of an ensemble.
+
+        Parameters
+        ----------
+        scenario : the scene's name
+        """
         rows = self.select(tables.ROWS, "scenario = ? AND variation = ''", (scenario,))
         return [row for row in rows if row.outcome == "failed"]
 
     def forget_costs_of_other_processors(self, processor: str) -> None:
-        """Delete the costs that were measured on another processor.
+        """Delete the costs of a method on a scene if any of them was measured on another processor.
 
-        If one cost of a method on a scene was, all costs of this method on this scene are deleted,
-        also those of varied engines.
+        Methods and scenes are treated one by one; costs of varied engines are deleted as well.
 
         Parameters
         ----------
@@ -246,7 +262,7 @@ class Store:
                 connection.execute(f"DELETE FROM costs WHERE {_ONE_METHOD}", _names(key))
 
     def keys_with_timing(self) -> set[Key]:
-        """Return the keys of methods on scenes whose cost is stored.
+        """Return the methods on scenes for which the cost of the unvaried engine is stored.
 
         The stored cost may be None, which says that the steps cannot be timed.
         """
@@ -303,7 +319,12 @@ class Store:
         )
 
     def varied(self, scenario: str) -> list[Row]:
-        """Return the stored runs of a scene in which something is varied."""
+        """Return those stored runs of a scene in which something is varied (`Row.varied`).
+
+        Parameters
+        ----------
+        scenario : the scene's name
+        """
         return self.select(tables.ROWS, "scenario = ? AND variation != ''", (scenario,))
 
     def _ensembles(self) -> list[DefinedEnsemble]:

@@ -68,7 +68,7 @@ class Verdict(Record):
 
     @property
     def order(self) -> int | None:
-        """The least order at which gains vanish with the timestep.
+        """The lower of the orders at which gains of attitude and of I ω vanish with the timestep.
 
         It is None if no single steps were examined, or if they show a fault.
         """
@@ -81,7 +81,10 @@ class Verdict(Record):
 
     @property
     def findings(self) -> list[str]:
-        """Sentences: the verdict with its reason, and unmet expectations; the worst come first."""
+        """Sentences: one on the verdict, with its reason, and one on each unmet expectation.
+
+        The verdict comes first if it makes a study fail, else last.
+        """
         judged = f"{self.verdict}: {self.reason}"
         return [judged, *self.unmet] if self._is_wrong else [*self.unmet, judged]
 

@@ -53,7 +53,7 @@ class Finding:
 
     @property
     def about(self) -> str:
-        """The engines and links that the finding is about, then a colon; empty without any."""
+        """The engines and links that the finding is about, and a colon; empty if there are none."""
         about = [part for part in (" and ".join(self.who), listed(self.names)) if part]
         return f"{', '.join(about)}: " if about else ""
 
@@ -68,7 +68,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
-    """Return findings, of which each has all links for which the same is stated.
+    """Return findings; entries with the same engine and statement become one, for all their links.
 
     Parameters
     ----------
@@ -130,8 +130,9 @@ def badness(reading: LinkReading) -> tuple[float, float]:
     """Return how wrong a reading is, as a sort key of two numbers.
 
     The first is the largest angle between the attitudes of the file's and the engine's body,
-    degrees, and the second is the largest relative difference of these bodies. If the file states
-    nothing for a body, it counts as worse than any other, and the second number is its mass, kg.
+    degrees, and the second is the largest relative difference of these bodies. A body for which the
+    file states nothing counts as worse than any other: the numbers are infinity and its mass, kg.
+    Both are zero if the bodies agree or cannot be compared.
     """
     if reading.agrees is not False:
         return (0.0, 0.0)
@@ -158,7 +159,11 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
 
 
 def composed_bodies(inspection: Inspection) -> list[Finding]:
-    """Return the mass and the principal moments of each body of several links, as findings."""
+    """Return a finding on each body that consists of links welded together.
+
+    It states the body's mass and principal moments; or, if the inertia of some link is computed
+    from its shapes, that it was not read.
+    """
     lines = []
     for body in inspection.composed:
         assert body.stated is not None, "a part states an inertia"
@@ -190,7 +195,7 @@ def added_masses(inspection: Inspection) -> dict[str, float]:
 def weight_in_words(inspection: Inspection) -> str:
     """Return, in words, the mass that the file states, and the mass in engines where it is larger.
 
-    The text is empty if there are none.
+    The text is empty if it is larger in no engine.
     """
     stated = stated_mass(inspection)
     by_mass: dict[str, list[str]] = {}
@@ -226,7 +231,7 @@ def configuration_of(engine: str, name: str) -> Configuration:
 
 
 def _is_massless(one: InspectedLink) -> bool:
-    """Whether a link moves and has no inertia, stated or from shapes, but no other fault."""
+    """Whether the only fault of a link is that it moves without inertia, stated or from shapes."""
     lacks = one.link.moves and not one.link.has_inertia and not one.link.by_shapes
     return lacks and all(problem.kind == "zero tensor" for problem in one.problems)
 
@@ -239,7 +244,10 @@ _CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
 
 
 def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
-    """Yield what has to be changed in a file so that an engine accepts it, for each refusal."""
+    """Yield advice on what to change in the file, for each engine that refuses it.
+
+    There is a finding for each kind of link that may have caused the refusal, with these links.
+    """
     for (engine, configuration), reason in inspection.refusals.items():
         refusals = model_readers()[engine.partition("@")[0]].refusals
         each = next((each for phrase, each in refusals.items() if phrase in reason), ())

@@ -248,7 +248,7 @@ def nearest_possible(inertia: FloatArray) -> FloatArray | None:
     The distance is the Frobenius norm of the difference. As rotations do not change this norm, the
     nearest tensor has the same principal axes. Its moments are found by least squares, under the
     condition that the second moments are not negative (Lawson & Hanson, Solving Least Squares
-    Problems, ch. 23). None is returned if they are all zero.
+    Problems, ch. 23). None is returned if the fitted second moments are all zero.
 
     Parameters
     ----------

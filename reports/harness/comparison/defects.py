@@ -68,10 +68,11 @@ class Defects:
         }
 
     def attitude_a_turn(self, motion: Trajectory, usual: float) -> float | None:
-        """Return the median over the intervals of the attitude error per turn of the run, rad.
+        """Return the median over the intervals of the attitude's defect per turn of the run, rad.
 
+        In each interval the defect is divided by the number of turns that the run makes there.
         Intervals in which the run is at rest are left out, as a run that has stopped would seem
-        exact. The value is None if all intervals are left out.
+        exact. None is returned if all intervals are left out.
 
         Parameters
         ----------
@@ -108,7 +109,7 @@ def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defect
 
 
 def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: bool) -> Row:
-    """Return a row with the run's defects added, and the attitude error per turn.
+    """Return a row with the run's defects added, and the median of the attitude's defect per turn.
 
     The row is returned unchanged if it has no motion or no errors, or if the defects cannot be
     computed.
@@ -138,16 +139,23 @@ def turns_made(motion: Trajectory) -> FloatArray:
 
 @lru_cache(maxsize=RECENT)
 def _rounding(scenario: Scenario, exact: Trajectory) -> Errors:
-    """Return the largest defects of the exact motion, due to rounding to doubles.
+    """Return the largest defect of the exact motion in each signal, due to rounding to doubles.
 
-    In every signal it is at least `LEAST_ROUNDING`.
+    At least `LEAST_ROUNDING` is returned.
     """
     of_exact = _series(scenario, exact, exact).worst()
     return Errors(**{name: max(value, LEAST_ROUNDING) for name, value in of_exact})
 
 
 def _series(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> ErrorSeries:
-    """Return the defects of a motion in every interval, in the norms of errors from `exact`."""
+    """Return the defects of a motion in every interval between its samples.
+
+    Their norms are those of errors, relative to the scales of the exact motion.
+
+    Parameters
+    ----------
+    exact : the exact motion from the scene's start
+    """
     flowed = flow(scenario, motion, np.diff(motion.t))
     made, right = (ErrorNorm(scenario, one).true_table for one in (motion, flowed))
     norm = norm_of(scenario, exact)

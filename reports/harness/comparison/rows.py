@@ -114,7 +114,8 @@ def compared(
     ----------
     answer : the run, or why its call failed, and what the engine printed
     solution : the exact motion at the samples of the rung
-    steps : the evidence from single steps; None if there is none, or if it does not matter
+    steps : the evidence from single steps; None if there is none, or if their faults are expected,
+        as those of an engine as shipped are
     """
     run = _of_other_law(answer.value, steps)
     row = row_of(scenario, key, engine.version, rung, run, solution)
@@ -250,7 +251,8 @@ def _words(name: str, ratio: float, since: float) -> str:
     Parameters
     ----------
     ratio : the signal's error, relative to the size of the exact signal
-    since : the first time at which the error is as large as the smaller of the two sizes, s
+    since : the first time at which the error is as large as the signal in the run or in the exact
+        motion, whichever is smaller, s
     """
     return f"{name} is off by {ratio:.2g} times its size, from t = {since:.3g} s on"
 

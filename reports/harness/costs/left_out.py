@@ -26,11 +26,11 @@ COMPARED = 16
 def with_all_left_in(
     scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> list[tuple[VariedEngine, Method]]:
-    """Return the methods that are also timed with all the passes that they leave out on a scene.
+    """Return the methods that are timed a second time on a scene, with no part of a step left out.
 
-    An engine's methods are grouped by the passes that they leave out. Of each group the first
-    method is returned, and the first of the highest order, which reports recommend. Each comes with
-    a variant of its engine that leaves nothing out.
+    An engine's methods are grouped by the parts of a step that they leave out, as the scene does
+    not call for them. Of each group the first method is returned, and the first of the highest
+    order, which reports recommend. Each comes with a variant of its engine that leaves nothing out.
 
     Parameters
     ----------
@@ -51,17 +51,19 @@ def with_all_left_in(
 def motions_apart(
     scenario: Scenario, engine: VariedEngine, name: str
 ) -> tuple[float, float] | None:
-    """Return the difference of a varied engine's motion from that of the unvaried engine.
+    """Return how far an engine's motion is from its motion with no part of a step left out.
+
+    The states are compared at `COMPARED` times.
 
     Parameters
     ----------
-    engine : the varied engine
+    engine : the variant of the engine that leaves nothing out
     name : name of the method
 
     Returns
     -------
-    The time of the last comparison, s, and the largest difference so far of any component of the
-    states, SI; None if the engine failed before the first comparison
+    The time of the last comparison, s, and the largest difference at any comparison of any
+    component of the states, SI; None if the engine failed before the first comparison
 
     Raises
     ------

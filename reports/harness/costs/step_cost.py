@@ -70,10 +70,11 @@ def timed(answer: Answer[T]) -> T | CallFailed:
 def measure(
     executor: Executor, scenario: Scenario, pairs: Sequence[EngineMethod]
 ) -> tuple[list[StepCost | None], list[str]]:
-    """Time every method on a scene; methods whose engines share a site are timed interleaved.
+    """Time every method on a scene, by calls of an executor.
 
-    If such a common call fails, as when a method crashes the process, each method is timed in a
-    call of its own, so that only the cost of the failing method is missing.
+    One call times all methods whose engines are installed in the same folder (`Engine.site`), one
+    stretch of each in turn. If the call fails, as when a method crashes the process, each of these
+    methods is timed by a call of its own, so that only the cost of the failing one is missing.
 
     Parameters
     ----------
@@ -109,14 +110,14 @@ def measure(
 
 
 def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCost | None]:
-    """Time every method on a scene, one stretch of each in turn, and return the costs of a step.
+    """Time every method on a scene, interleaved, and return the cost of a step of each.
 
     The cost is None for a method that the engine cannot load or step.
 
     Parameters
     ----------
-    pairs : engines and their methods; if both a varied engine and the unvaried one are among them,
-        the cost of the varied one states the ratio of the two
+    pairs : engines and their methods. If a method is among them with a varied engine (`varied`) and
+        with the unvaried one, the cost of the varied one states the ratio of the two
 
     Raises
     ------
@@ -147,7 +148,8 @@ def timed_timestep(scenario: Scenario) -> float:
 def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[TimingSample]]:
     """Time one stretch of each session in turn, `REPEATS` times, and return the stretches of each.
 
-    The list is empty for a session that the engine fails to load or to step.
+    A stretch is a number of steps that are timed together. The list is empty for a session that the
+    engine fails to load or to step.
 
     Parameters
     ----------
@@ -170,7 +172,7 @@ def interleaved(openings: Sequence[Callable[[], Session]]) -> list[list[TimingSa
 
 @dataclass
 class _Timed:
-    """A session that is timed until its engine raises an error.
+    """A session that is timed in stretches of steps, until its engine raises an error.
 
     Attributes
     ----------
@@ -203,7 +205,7 @@ class _Timed:
             self.stretches.clear()
 
     def open(self) -> None:
-        """Open the session, warm it up, and set the number of steps of a stretch."""
+        """Open the session, warm it up, and set the number of steps that are timed together."""
         self.session = self.stack.enter_context(self.opening())
         self.session.advance(WARM_UP)
         short = self._seconds(WARM_UP)
@@ -246,7 +248,7 @@ class _Timed:
             raise EngineError("the state is no longer finite")
 
     def _seconds(self, steps: int) -> float:
-        """Return the least CPU time, s, of `TRIALS` stretches of some steps each."""
+        """Return the least CPU time, s, of `TRIALS` stretches of `steps` steps each."""
         return min(self._stretch(steps).cpu * steps for _ in range(TRIALS))
 
     def _stretch(self, steps: int) -> TimingSample:

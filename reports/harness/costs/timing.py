@@ -22,7 +22,8 @@ def time_scene(
 ) -> None:
     """Measure and store the cost of a step of every method that can simulate a scene.
 
-    Some methods are also timed with the passes that they leave out (`left_out.with_all_left_in`).
+    Some methods are timed a second time, with the parts of a step that they leave out by default
+    (`left_out.with_all_left_in`).
 
     All methods are timed again, interleaved, even if the cost of only one is missing, as times
     taken at different moments cannot be compared. All costs are stored together at the end. If the

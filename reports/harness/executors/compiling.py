@@ -20,9 +20,13 @@ SECONDS = 19.0
 
 
 def compile_side_by_side(executor: Executor) -> None:
-    """Compile all missing kernels, by one call for each function of `HALVES`, in parallel.
+    """Compile the solver of exact motions, by one call for each half of its functions, in parallel.
 
-    Nothing is done if all are compiled, or if there is no folder to keep machine code in.
+    Nothing is done if all of it is compiled, or if there is no folder to keep machine code in.
+
+    Parameters
+    ----------
+    executor : makes the calls; its processes keep the machine code in a common folder
     """
     # Without such a folder every process has to compile for itself.
     if FOLDER is None or is_compiled():

@@ -94,7 +94,7 @@ class Executor(ABC):
 
     @abstractmethod
     def stop(self) -> None:
-        """End all calls under way at once. May be called from any thread."""
+        """End all calls under way, without waiting for their results; any thread may do so."""
 
     @abstractmethod
     def close(self) -> None:

@@ -14,9 +14,10 @@ T = TypeVar("T")
 
 @final
 class LocalWorkers(Executor):
-    """An executor with one worker process for each thread that makes calls, and for each site.
+    """An executor with worker processes, one for each pair of a calling thread and a site.
 
-    The process is started by the thread's first call.
+    A site is a folder in which a process looks for modules first (`call_at`). A process is started
+    by its first call.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ class LocalWorkers(Executor):
             slot.end()
 
     def _slot(self, site: str) -> WorkerSlot:
-        """Return this thread's slot for a site; make one if there is none yet.
+        """Return the slot of this thread's worker process for a site; make one if there is none.
 
         Raises
         ------

@@ -105,15 +105,15 @@ class WorkerProcess:
         send(_raw(self._process.stdin), call)
 
     def wait(self, limit: float) -> Overdue | None:
-        """Wait until the call is answered, the process ends, or a limit is exceeded.
+        """Wait until the call is answered, the process ends, or the call takes too long.
 
         Parameters
         ----------
-        limit : CPU time that the call may take, s
+        limit : CPU time that the call may take, s; limits of its wall time follow from it
 
         Returns
         -------
-        How a limit was exceeded; None if there is an answer or the process has ended.
+        Which limit was exceeded; None if there is an answer or the process has ended
         """
         return wait_for_answer(self._has_answered, self._of_system, limit)
 

@@ -61,7 +61,7 @@ class Rung:
         return np.asarray(self.sample_steps * self.timestep, dtype=float)
 
     def until(self, samples: int) -> "Rung":
-        """Return a copy without sample times beyond the first `samples` of its ladder."""
+        """Return a copy that is sampled only at the first `samples` sample times of its ladder."""
         return replace(self, sample_steps=self.sample_steps[: math.ceil(samples / self.every)])
 
 
@@ -85,9 +85,9 @@ class Ladder:
     least_steps: float
 
     def until(self, samples: int) -> "Ladder":
-        """Return a copy without sample times beyond the first `samples`.
+        """Return a copy that is sampled only at the first `samples` sample times.
 
-        If fewer than two are left, the copy has no rungs. Timesteps above the ladder that would
+        If these are fewer than two, the copy has no rungs. Timesteps above the ladder that would
         have no step are left out.
         """
         if samples < 2:
@@ -135,7 +135,7 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
 
 def _thinned(intervals: int, turn: float) -> int:
-    """Return m, a power of two, where every m-th sample is used; 1 if all samples are.
+    """Return m, a power of two, if a ladder is sampled at every m-th sample of the scene's window.
 
     It is the smallest m for which a ladder that begins with one step between used samples has
     `MIN_RUNGS` rungs of at most `MAX_STEPS` steps. A smaller m is returned where with this m the

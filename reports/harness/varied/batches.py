@@ -57,8 +57,8 @@ class Apart:
     ----------
     step : the number of steps at the first comparison in which they differ; they are compared after
         1, 2, 4, 8, … steps and at the end
-    ulp : at that step, the largest distance of attitude, ω, position, velocity or spins, relative
-        to its size, in ulp of the engine's precision
+    ulp : at that step, the largest of the distances in attitude, ω, position, velocity and spins,
+        each relative to the quantity's size, in ulp of the engine's precision
     degrees : angle between the attitudes at the end; infinite if an attitude is not finite
     """
 
@@ -80,15 +80,16 @@ class BatchRow:
     scene, engine, method : names
     timestep : s
     worlds : number of worlds
-    device : the device that steps the worlds; before that, the device asked for
+    device : the device that steps the worlds; as long as no steps are made, the device asked for
     steps : number of steps of the comparison
     until : time at the end of these steps, s
     alone : difference of the world at the first place from the world in a session of its own
-    place : largest difference of a compared place from the first place
-    neighbours : largest difference of a compared place from the same place of a batch with odd
-        neighbours; `STOPPED` if these stop all worlds. Each of the three is None if all motions
+    place : largest difference of the world at the middle or last place from that at the first
+    neighbours : largest difference of the world at the first, middle or last place from that at the
+        same place of a batch whose other places have odd worlds (`neighbours_of`); `STOPPED` if
+        these stop all worlds. `alone`, `place` and `neighbours` are None if the compared motions
         agree to the last bit
-    has_neighbours : whether the batch has places for odd neighbours
+    has_neighbours : whether the batch has places besides the first, the middle and the last
     because : what the motions depend on, in words; empty if they agree to the last bit
     seconds_per_step : wall time of a step of all worlds, s; None if nothing was compared
     beside : wall time of a step of one world on one core, s, by `beside_by`
@@ -118,7 +119,7 @@ class BatchRow:
 
 
 def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """Return the row of `batch_of`, made by an executor; it says so if the call has failed."""
+    """Call `batch_of` by an executor, and return its row; a `failed` row if the call fails."""
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):
         return replace(row, outcome="failed", reason=answer.value.reason)
@@ -170,7 +171,11 @@ def _refused(engine: Engine, name: str) -> str:
 
 
 def neighbours_of(scenario: Scenario) -> dict[str, Scenario]:
-    """Return the scenes of the odd neighbours of a scene's worlds, by a description of each."""
+    """Return odd scenes, with which a batch of worlds of one scene is mixed, by their descriptions.
+
+    A scene's motion must not depend on such neighbours: one blows up, one is at rest, and one has
+    another body.
+    """
 
     def turning(rate: float) -> Scenario:
         # Set directly, since no file may hold such a start.
@@ -221,8 +226,9 @@ class _Study:
     def row(self) -> BatchRow:
         """Run the batches that are compared, and return the completed row.
 
-        One batch has no odd neighbours, another one has all kinds of them. If these change a
-        motion, further batches are run, each with one kind only.
+        In one batch all worlds are alike; another one also has worlds of all three odd scenes
+        (`neighbours_of`). If these change a motion, further batches are run, each with one of the
+        odd scenes only.
         """
         begun, odd = self.begun, neighbours_of(self.scenario)
         alike = self._batch(())
@@ -280,7 +286,7 @@ class _Study:
 
     @property
     def _free(self) -> list[int]:
-        """The indices of the places for odd neighbours: all that are not compared."""
+        """The indices of the places that are not compared, where worlds of odd scenes are put."""
         return [k for k in range(self.begun.worlds) if k not in self._places]
 
     def _batch(self, odd: Sequence[Scenario], ends: Sequence[int] = ()) -> _Motion:
@@ -288,8 +294,8 @@ class _Study:
 
         Parameters
         ----------
-        odd : scenes of odd neighbours, which fill the other places in turn; if empty, all worlds
-            are of the same scene
+        odd : odd scenes, whose worlds fill in turn the places that are not compared; if empty, all
+            worlds are of the same scene
         ends : numbers of steps after which snapshots are taken; chosen by `_ends` if empty
         """
         scenes = [self.scenario] * self.begun.worlds
@@ -323,7 +329,7 @@ class _Study:
         return [1 << k for k in range(last.bit_length()) if 1 << k < last] + [last]
 
     def _alone(self, ends: Sequence[int]) -> _Motion:
-        """Run the world in a session of its own; return its motion, repeated for each place.
+        """Run one world in `session`, outside any batch; return its motion, repeated by place.
 
         Parameters
         ----------
@@ -363,9 +369,10 @@ def _numbers(snapshots: Sequence[object]) -> NDArray[Any]:
 
 
 def _distance(first: State, second: State) -> float:
-    """Return the largest relative distance of any quantity between n states; inf if not finite.
+    """Return the largest distance of n states from n others in any quantity; inf if not finite.
 
-    Quantities whose first value is zero are left out.
+    Each distance is relative to the quantity's size in `first`; where this is zero, the quantity is
+    left out.
 
     Parameters
     ----------
@@ -381,7 +388,7 @@ def _distance(first: State, second: State) -> float:
 
 
 def _degrees(first: State, second: State) -> float:
-    """Return the largest angle between the attitudes of n states, degrees.
+    """Return the largest angle between the attitudes of n states and those of n others, degrees.
 
     It is infinite if a quaternion is not finite, or zero.
 

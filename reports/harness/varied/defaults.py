@@ -18,7 +18,7 @@ def varied_row(scenario: Scenario, engine: Engine, run: Run, rung: Rung, solutio
 
     Parameters
     ----------
-    engine : the varied engine
+    engine : the engine that made the run, of which something is varied (`Engine.varied`)
     solution : the exact motion at the samples of the rung
     """
     key = Key(scenario.name, engine.name, run.method)
@@ -36,8 +36,8 @@ def runs_with_defaults(
 ) -> list[Row]:
     """Run a method as shipped with several sets of its engine's defaults, and return the rows.
 
-    The sets are: none of the defaults, each of them alone, and all but one, for each. Each set is
-    run once.
+    Defaults are settings that change motions (`Engine.defaults`). The sets are: none of them, each
+    of them alone, and all but one, for each. There is one run for each set.
 
     Parameters
     ----------

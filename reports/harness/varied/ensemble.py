@@ -27,7 +27,7 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class PointLeft:
-    """A point of an ensemble, and the pairs of engine and method that have no result there."""
+    """A member of an ensemble at a timestep, and the engines and methods without a result there."""
 
     point: EnsemblePoint
     to_run: Sequence[EngineMethod]
@@ -107,7 +107,7 @@ def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[Engi
 def run_ensemble(
     plan: EnsemblePlan, base: Scenario, store: Store, executor: Executor, progress: Progress
 ) -> None:
-    """Compute the missing results of an ensemble, and store those of each point at once.
+    """Compute the missing results of an ensemble; store those of a point as soon as it is done.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def run_ensemble(
 
 
 def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executor) -> EnsemblePoint:
-    """Run the missing methods at a point, store their results, and return the point."""
+    """Run the methods that have no result at a point, store the results, and return the point."""
     store.put(*_rows(left, base, executor))
     return left.point
 
