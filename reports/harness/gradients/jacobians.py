@@ -159,7 +159,8 @@ class Own:
     ----------
     jacobians : from K states with J timesteps, (J, K, 6, 6)
     known_to : bound on the error of the Jacobians, in units, for each timestep, (J,). It is the
-        error by rounding, or their difference from Jacobians by other changes if that is larger
+        error by rounding, or, if that is larger, the difference from Jacobians for which the state
+        is changed by another amount
     """
 
     jacobians: FloatArray
@@ -244,7 +245,7 @@ def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArr
 def stepped_by_rate(rate: FloatArray, omega_body: FloatArray, timestep: float) -> FloatArray:
     """Return the Jacobian of an explicit Euler step, (6, 6), given the derivative of dω/dt.
 
-    The change δθ of the attitude obeys δθ' = δω − ω × δθ.
+    A change δθ of the attitude, together with a change δω of ω, obeys δθ' = δω − ω × δθ.
 
     Parameters
     ----------

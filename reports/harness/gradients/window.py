@@ -34,7 +34,7 @@ KEPT = 4
 
 @dataclass(frozen=True)
 class Gradient:
-    """The gradients of both losses after some steps, compared with the exact gradients.
+    """The gradients of two losses after some steps, compared with the exact gradients.
 
     Attributes
     ----------
@@ -157,7 +157,10 @@ def gradients_along(
     jacobians: Sequence[FloatArray],
     states: Sequence[State],
 ) -> tuple[Gradient, ...]:
-    """Return the gradients of both losses at n times, compared with the exact gradients.
+    """Return the gradients of two losses at n times, compared with the exact gradients.
+
+    The losses are half the square of the turn to a target attitude, and the kinetic energy of
+    rotation.
 
     Parameters
     ----------
@@ -241,7 +244,9 @@ def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
 
 
 def _slopes(equations: Equations, state: State, target: FloatArray) -> list[FloatArray]:
-    """Return the derivatives of both losses by attitude and ω at the end of a run, (6,) each.
+    """Return the derivatives of two losses by attitude and ω at the end of a run, (6,) each.
+
+    The losses are half the square of the turn to the target, and the kinetic energy of rotation.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ LIKELIEST = 3
 
 @dataclass(frozen=True, eq=False)
 class Stepwise(Search):
-    """A search for the changes that data call for, by stepwise regression.
+    """A search, by stepwise regression, for changes of equations or readings that explain data.
 
     Attributes
     ----------

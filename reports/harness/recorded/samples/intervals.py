@@ -117,10 +117,11 @@ class Intervals(Data):
         return replace(self, method=np.tile(size, (len(self.spans), 1)))
 
     def made_by(self, integrator: Integrator, timestep: float) -> "Intervals":
-        """Return the intervals with an integrator for hypotheses, and without a method's error.
+        """Return the intervals with another `integrator`, and with 0 as bound on a method's error.
 
         Parameters
         ----------
+        integrator : the integrator with which the equations of hypotheses are solved
         timestep : timestep of the integrator, s
         """
         without = np.zeros_like(self.method)
