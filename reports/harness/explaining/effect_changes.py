@@ -112,7 +112,7 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
     c, rate = e.slowing[0], usual_rate(scenario, e)
 
     def friction(n: FloatArray) -> FloatArray:
-        """Return f and p, (..., 2), given the parameters n, (..., 1) or (..., 2).
+        """Return f and p of a drag f ‖ω‖ᵖ ω, (..., 2), given parameters n, (..., 1) or (..., 2).
 
         The first parameter is f rateᵖ − c, with c the coefficient of the scene's drag: by this much
         the coefficient at ‖ω‖ = `rate` differs from the scene's. The second, if any, is p.

@@ -154,7 +154,8 @@ class Search:
     def _has_few_parameters(self, fit: Fit) -> bool:
         """Return whether a fit has few enough parameters.
 
-        It may have `most` if its residuals exceed noise, and up to `MOST_OF_ALL` if they do not.
+        It may have up to `most` if its residuals exceed noise, else up to `MOST_OF_ALL` if that is
+        more.
         """
         if self.most is None or fit.rank <= self.most:
             return True

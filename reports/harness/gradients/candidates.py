@@ -195,7 +195,10 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
-    """Return the exact attitude, (4,), and ω, rad/s, (3,), after J spans of time from K states."""
+    """Return J lists, one a span of time, of the exact attitudes and ω at its end from K states.
+
+    Each of the K items is an attitude, (4,), and ω, rad/s, (3,).
+    """
     count = exact.count
     rows = np.tile(np.arange(count), len(exact.spans))
     flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.spans, count))

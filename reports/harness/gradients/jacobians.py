@@ -97,7 +97,7 @@ def own_jacobian(
     units : units of the changes by which the differences are taken
     counts : numbers of steps, ascending, one for each Jacobian, (n,)
     share : size of these changes relative to `Units.change`, which is best if the derivatives are
-        about one in units
+        about one in `units`
     """
     sizes = share * units.change * units.each
     offsets = (CHANGES[:, None, None] * np.diag(sizes)).reshape(-1, CHART)
@@ -158,7 +158,7 @@ class Own:
     Attributes
     ----------
     jacobians : from K states with J timesteps, (J, K, 6, 6)
-    known_to : bound on the error of the Jacobians, in units, for each timestep, (J,). It is the
+    known_to : bound on the error of the Jacobians, in `Units`, for each timestep, (J,). It is the
         error by rounding, or, if that is larger, the difference from Jacobians for which the state
         is changed by another amount
     """
@@ -230,7 +230,7 @@ def settled_jacobians(
 
 
 def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArray:
-    """Return a bound on the error of Jacobians, in units, for each of J timesteps, (J,).
+    """Return a bound on the error of Jacobians, in `units`, for each of J timesteps, (J,).
 
     The bound is their largest difference from others, but not less than the error by rounding.
 

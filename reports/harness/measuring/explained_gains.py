@@ -142,7 +142,7 @@ def _readings() -> Iterator[Change]:
 
 
 def _braking() -> Iterator[Change]:
-    """Yield changes in which the com's velocity decays: alone, or at the same rate as L."""
+    """Yield changes in which the com's velocity decays, alone or as fast as angular momentum."""
     one, slowed = np.ones(1), np.array([0.0, 1.0, 0.0])
     yield Change("braking", lambda h, n: h.of(braking=n[:, 0]), one)
     yield Change(

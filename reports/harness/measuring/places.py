@@ -150,7 +150,7 @@ def changed_at_random(
 
 
 def _changed_by(vectors: FloatArray, change: FloatArray) -> FloatArray:
-    """Return v + ‖v‖ c for given vectors v, (n, 3), and one relative change c, (3,)."""
+    """Return vectors v, (n, 3), all with one relative change c, (3,), that is, v + ‖v‖ c."""
     return np.asarray(vectors + norms(vectors)[:, None] * change)
 
 

@@ -91,7 +91,7 @@ class Physics:
     def intervals(self) -> Intervals | None:
         """The intervals between samples, at most `MOST_INTERVALS`.
 
-        The property is None if there are too few in which the body does not turn too far.
+        The property is None if in too few of them the body turns so little that they can be used.
         """
         of_method = self.timestep, self.order, self.noise
         inner = self.motion.at(np.arange(self.reach, len(self.motion.t) - self.reach))
@@ -118,7 +118,7 @@ class Physics:
 
         In each interval the recorded state at the end is compared with that to which the exact flow
         of `base` leads from the recorded start. The error is that of a method with the stated order
-        and timestep. Without intervals the property is False.
+        and timestep. If `intervals` is None, the property is False.
         """
         return self.search is not None and self.search.exceed_noise(self.search.unchanged.residuals)
 
@@ -127,7 +127,7 @@ class Physics:
         """The known integrator that computed the motion with the equations of `base`, in words.
 
         Other timesteps than the stated one are tried, too. The text is empty if no known integrator
-        computed the motion, or without intervals.
+        computed the motion, or if `intervals` is None.
         """
         if self.known is None:
             return ""
@@ -210,7 +210,7 @@ class Physics:
     def least_timestep(self) -> float:
         """The shortest timestep, s, with which errors of the stated order explain the motion.
 
-        It is 0 if no timestep is stated, or without intervals.
+        It is 0 if no timestep is stated, or if `intervals` is None.
         """
         if self.intervals is None or self.search is None or self.timestep is None:
             return 0.0
@@ -220,7 +220,7 @@ class Physics:
 
     @cached_property
     def known(self) -> KnownIntegrators | None:
-        """The comparison of the motion with known integrators; None without intervals."""
+        """The comparison of the motion with known integrators; None if `intervals` is."""
         return KnownIntegrators(self.intervals, self.timestep) if self.intervals else None
 
     def _integrator(self, hypothesis: Hypothesis) -> str:
@@ -289,7 +289,7 @@ class Physics:
         """The root mean square differences of attitude, rad, and ω, rad/s, in the intervals, (2,).
 
         They are those of the recorded ends from the exact flow of `base`, followed from the
-        recorded starts. Without intervals they are 0.
+        recorded starts. They are 0 if `intervals` is None.
         """
         if self.intervals is None:
             return np.zeros(2)

@@ -65,7 +65,7 @@ class ReadOmega(Data):
 def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     """Return sentences on how the recorded ω was computed from the ω that the attitudes imply.
 
-    If no way is found in which it was computed, the sentence is `OMEGA`.
+    If no way is found, the sentence is `OMEGA`: it only says that ω is not that of the attitudes.
 
     Parameters
     ----------

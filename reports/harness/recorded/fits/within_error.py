@@ -167,8 +167,8 @@ def _beside(
 def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> list[FloatArray]:
     """Return three sizes that the errors of methods may have, rad and rad/s, (2,) each.
 
-    The first is the size without any change. The last is the smallest that is fitted beside a
-    single change, linearised. The second is the geometric mean of these two.
+    The first is fitted without any change of equations or readings. The last is the smallest that
+    is fitted beside a single change, linearised. The second is the geometric mean of these two.
     """
     most = _fitted_size(data, errors, data.deviations(data.base[None]))
     units = np.maximum(most, FITS)

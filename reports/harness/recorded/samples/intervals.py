@@ -65,7 +65,7 @@ class Intervals(Data):
 
     @cached_property
     def fastest(self) -> float:
-        """The largest ‖ω‖ that is computed, rad/s; states of motions that exceed it are nan."""
+        """The largest ‖ω‖ up to which hypotheses are followed, rad/s; beyond it states are nan."""
         speeds = norms(np.vstack([self.starts, self.ends])[:, 4:])
         return FASTER * max(float(speeds.max()), float(self.base.rate))
 
@@ -132,7 +132,7 @@ class Intervals(Data):
         return self.rows(np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int)))
 
     def rows(self, kept: Sequence[int] | NDArray[np.int_]) -> "Intervals":
-        """Return some of the intervals, by their indices."""
+        """Return some of the intervals, given by their indices, (k,)."""
         names = "starts", "t", "spans", "ends", "method"
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 

@@ -160,7 +160,9 @@ def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
 
 
 def rounded_times(reading: Reading) -> list[str]:
-    """Return a sentence that times are rounded, if the attitude follows ω far better at even times.
+    """Return the sentence that the times of a recording are rounded.
+
+    They are if the attitude follows ω far better at the evenly spaced times that are found.
 
     Returns
     -------
