@@ -102,9 +102,9 @@ def _of_kinematics() -> Iterator[Change]:
 def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Yield changes of the gyroscopic torque ω × (G ω + h), and of how the tensor of inertia turns.
 
-    h is the angular momentum of rotors; changes of h are among them. One change takes a wrong
-    inverse of the tensor of inertia. Others keep the tensor constant along world axes, although it
-    turns with the body.
+    G is the tensor of inertia in this torque, and h the angular momentum of rotors; some changes
+    are of h alone. One change takes a wrong inverse of the tensor. Others keep the tensor constant
+    along world axes, although it turns with the body.
     """
     inertia, of_com = e.inertia, np.array(scenario.body.inertia_com)
     yield set_to("gyroscopic", (1.0,), gyroscopic=0 * inertia, kept=0 * e.kept)
@@ -198,7 +198,7 @@ def _with_entry(e: OtherEquations, at: int) -> Change:
 
     Parameters
     ----------
-    at : index of the entry in `ENTRIES`
+    at : index of the entry in Ixx, Iyy, Izz, Ixy, Ixz, Iyz
     """
     entries, unit = tensor_entries(e.inertia), np.eye(6)[at]
 

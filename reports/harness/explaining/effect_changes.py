@@ -112,7 +112,7 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
     c, rate = e.slowing[0], usual_rate(scenario, e)
 
     def friction(n: FloatArray) -> FloatArray:
-        """Return f and p, (..., 2), given the parameters n, (..., 1) or (..., 2).
+        """Return f and p of a drag f ‖ω‖ᵖ ω, (..., 2), given parameters n, (..., 1) or (..., 2).
 
         The first parameter is f rateᵖ − c, with c the coefficient of the scene's drag: by this much
         the coefficient at ‖ω‖ = `rate` differs from the scene's. The second, if any, is p.
@@ -149,11 +149,11 @@ def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _with_torque(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
-    """Return H hypotheses with torques added to one of their terms.
+    """Return H hypotheses with a torque added to their constant torque in body or world axes.
 
     Parameters
     ----------
-    name : the name of the term
+    name : "torque" for body axes, "torque_world" for world axes
     torque : N m, (H, 3)
     """
     return h.of(**{name: getattr(h, name) + torque})
@@ -164,7 +164,8 @@ def _with_drag(names: Sequence[str], h: Hypothesis, n: FloatArray) -> Hypothesis
 
     Parameters
     ----------
-    names : which of c, a and b the k numbers are added to
+    names : to which the k numbers are added: c, coefficient of linear drag, N m s; a and b, with
+        which the angular momentum decays at the rate a + b ‖ω‖
     """
     return h.of(slowing=h.slowing + n @ np.eye(3)[[SLOWING.index(name) for name in names]])
 
@@ -194,7 +195,14 @@ def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _of_parallel_axes(r: FloatArray) -> FloatArray:
-    """Return r² 1 − r rᵀ, m², (..., 3, 3), for vectors r, m, (..., 3)."""
+    """Return the tensors of inertia of a unit mass at r about the origin, m², (..., 3, 3).
+
+    They are r² 1 − r rᵀ, the term of the parallel axis theorem.
+
+    Parameters
+    ----------
+    r : vectors, m, (..., 3)
+    """
     squares = np.sum(r**2, axis=-1)[..., None, None]
     return np.asarray(squares * np.eye(3) - r[..., :, None] * r[..., None, :])
 
@@ -221,13 +229,13 @@ def mean_moment(e: OtherEquations) -> float:
 
 
 def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
-    """Return a typical torque, N m: it changes the motion while the body turns by a radian."""
+    """Return a typical torque, N m: it changes ω by ‖ω‖ or so while the body turns by a radian."""
     return mean_moment(e) * usual_rate(scenario, e) ** 2
 
 
 def usual_rate(scenario: Scenario, e: OtherEquations) -> float:
     """Return a typical rate of the motion, rad/s, from which scales of parameters are computed.
 
-    It is `OtherEquations.rate`, or ‖ω‖ at the scene's start if that is 0, or 1 if both are 0.
+    It is `OtherEquations.rate`; if that rate is 0, ‖ω‖ at the scene's start; if both are 0, 1.
     """
     return float(e.rate) or float(np.linalg.norm(scenario.start.omega_body)) or 1.0

@@ -71,7 +71,7 @@ class Data(ABC):
         return (self,)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """Return the decrease of χ² by a change.
+        """Return the decrease of χ² by a change of equations or readings.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ class Data(ABC):
         return float(self.chi2_decreases(before.ravel(), after.reshape(1, -1))[0])
 
     def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:
-        """Return the decreases of χ² by each of M changes, (M,).
+        """Return the decreases of χ² by each of M changes of equations or readings, (M,).
 
         Parameters
         ----------
@@ -90,14 +90,17 @@ class Data(ABC):
         return np.asarray(np.sum(before**2) - np.sum(after**2, axis=1)) / self.correlated
 
     def residuals(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals of H hypotheses, all of them finite, (H, m)."""
+        """Return the residuals of H hypotheses, (H, m).
+
+        They are limited to ± `NOT_FINITE`, which also takes the place of nan.
+        """
         finite = np.nan_to_num(self.deviations(hypotheses), nan=NOT_FINITE)
         return np.clip(finite, -NOT_FINITE, NOT_FINITE).reshape(len(hypotheses), -1)
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Changes made together, with the parameters that explain the data best.
+    """Changes of equations or readings made together, with the parameters that fit data best.
 
     Attributes
     ----------
@@ -185,18 +188,18 @@ class Linear:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Changes made together, whose k parameters are to be fitted to data."""
+    """Changes of equations or readings made together, whose k parameters are fitted to data."""
 
     data: Data
     changes: tuple[Change, ...]
 
     @cached_property
     def scales(self) -> FloatArray:
-        """The scales of all parameters, (k,)."""
+        """The typical sizes of the parameters of all changes, `Change.scales`, (k,)."""
         return np.concatenate([np.empty(0), *(change.scales for change in self.changes)])
 
     def hypotheses(self, x: FloatArray) -> Hypothesis:
-        """Return the hypotheses that all changes make of `data.base`.
+        """Return the hypotheses that result if all changes are made in `data.base`.
 
         Parameters
         ----------

@@ -25,8 +25,9 @@ Tensor = tuple[str, Sequence[float], FloatArray]
 def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
     """Yield the different tensors that common mistakes lead to; of equal ones only the first.
 
-    The scene's own tensor, and tensors that are not positive definite, are left out. All are about
-    the pivot if there is one, and else about the com.
+    Each comes after the kind of mistake and the numbers in its words. The scene's own tensor, and
+    tensors that are not positive definite, are left out. All are about the pivot if there is one,
+    and else about the com.
     """
     inertia, of_com = np.array(scenario.inertia), np.array(scenario.body.inertia_com)
     seen = [inertia]

@@ -35,7 +35,7 @@ PROMISING, PAIRS = 0.5, 3
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """The search for changes that explain data.
+    """The search for changes of equations, or of how states are read, that explain data.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Search:
 
     @cached_property
     def unchanged(self) -> Fit:
-        """The fit without any change."""
+        """The fit of `data.base` as it is, without any change."""
         return Trial(self.data, ()).fit()
 
     @property
@@ -90,7 +90,11 @@ class Search:
 
     @cached_property
     def single(self) -> list[Fit]:
-        """The fits of single changes that `PROMISING` admits; none if the data need no change."""
+        """The fits of single changes that are promising; none if the data need no change.
+
+        A change is promising if, linearised, it reduces the root mean square of the residuals to
+        the fraction `PROMISING` or less.
+        """
         if not self.is_called_for:
             return []
         enough = PROMISING**2 * self.unchanged.mean_square
@@ -150,7 +154,8 @@ class Search:
     def _has_few_parameters(self, fit: Fit) -> bool:
         """Return whether a fit has few enough parameters.
 
-        It may have `most` if its residuals exceed noise, and up to `MOST_OF_ALL` if they do not.
+        It may have up to `most` if its residuals exceed noise, else up to `MOST_OF_ALL` if that is
+        more.
         """
         if self.most is None or fit.rank <= self.most:
             return True

@@ -63,7 +63,7 @@ class Exact:
 
     @cached_property
     def lacking(self) -> list[tuple[str, FloatArray]]:
-        """The Jacobians with a part of the derivative left out, each after the mistake in words."""
+        """The Jacobians if a term is not differentiated, each after the mistake in words."""
         return list(_lacking(self))
 
     @cached_property
@@ -74,7 +74,10 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The results of `secant` for each of `POWERS`, by its argument `two_sided`."""
+        """The errors by finite differences, `secant`, for each of `POWERS`.
+
+        The key is True for central differences, and False for forward differences.
+        """
         return {
             two_sided: [self.secant(power, two_sided) for power in POWERS]
             for two_sided in (False, True)
@@ -88,9 +91,11 @@ class Exact:
     def secant(self, power: float, two_sided: bool) -> FloatArray:
         """Return the error that finite differences make in the derivative of dx/dt by x, (K, 6, 6).
 
+        x is attitude and ω in the chart.
+
         Parameters
         ----------
-        power : decimal logarithm of ε
+        power : decimal logarithm of the change of attitude and ω by which differences are taken
         two_sided : True for central differences, False for forward differences
         """
         return np.array([one.secant(10.0**power, two_sided) for one in self.rates])
@@ -98,7 +103,7 @@ class Exact:
     def off_by(self, change: Callable[["_Rates"], FloatArray]) -> FloatArray:
         """Return the Jacobians that a mistake in the derivative of dx/dt by x gives, (J, K, 6, 6).
 
-        They are right to first order in the spans of time.
+        x is attitude and ω in the chart. The Jacobians are computed to first order in the spans.
 
         Parameters
         ----------
@@ -165,8 +170,9 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
     """Yield words, and the exact Jacobians with attitude, ω or both in world axes.
 
-    The exact change of ω along world axes is R (δω − ω × δθ), with R from body to world. An engine
-    that only turns the derivative to world axes has R δω instead.
+    For changes δθ of the attitude and δω of ω, in body axes, ω along world axes changes by
+    R (δω − ω × δθ), with R from body to world. An engine that only turns the derivative to world
+    axes has R δω instead.
     """
     states, P = exact.states, exact.jacobians
     ends = _ends(exact)
@@ -189,7 +195,10 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
-    """Return the exact attitude, (4,), and ω, rad/s, (3,), after J spans of time from K states."""
+    """Return J lists, one a span of time, of the exact attitudes and ω at its end from K states.
+
+    Each of the K items is an attitude, (4,), and ω, rad/s, (3,).
+    """
     count = exact.count
     rows = np.tile(np.arange(count), len(exact.spans))
     flown = flowed(exact.scenario, exact.states.rows(rows), np.repeat(exact.spans, count))
@@ -206,8 +215,8 @@ def _to_world(
     ----------
     q : attitude, (4,)
     omega : ω, rad/s, body axes, (3,)
-    turn, spin : whether δθ is in world axes, and whether δω is
-    carried : whether δω includes the change of the axes, −ω × δθ
+    turn, spin : whether the change of the attitude, δθ, is in world axes; whether that of ω is
+    carried : whether the change of ω includes −ω × δθ, by which the body's axes turn
     """
     R, made = matrix(q), np.eye(CHART)
     if turn:
@@ -220,7 +229,10 @@ def _to_world(
 
 
 def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield words, and the Jacobians if a part of the derivative of dx/dt by x is left out."""
+    """Yield words, and the Jacobians if a part of the derivative of dx/dt by x is left out.
+
+    x is attitude and ω in the chart.
+    """
     words = {name: f"the {name} is not differentiated" for name in TERMS}
     for name in ("ω", "I ω"):
         words[name] = f"of the gyroscopic torque ω × I ω the factor {name} is not differentiated"
@@ -234,9 +246,11 @@ def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 def _fitted(exact: Exact, limits: FloatArray, two_sided: bool) -> float:
     """Return the ε, rad and rad/s, whose finite differences explain an engine's Jacobians best.
 
+    ε is the change of attitude and of ω by which the differences are taken.
+
     Parameters
     ----------
-    limits : as for `candidates`
+    limits : difference of the engine's Jacobian from the exact one, as for `candidates`, (K, 6, 6)
     two_sided : True for central differences, False for forward differences
     """
 
@@ -264,7 +278,9 @@ class _Rates:
         self.exact = self._derivative("")
 
     def without(self, name: str) -> FloatArray:
-        """Return the error of the derivative of dx/dt if a term is not differentiated, (6, 6).
+        """Return the error of the derivative of dx/dt by x if a term is not differentiated, (6, 6).
+
+        x is attitude and ω in the chart.
 
         Parameters
         ----------
@@ -273,7 +289,9 @@ class _Rates:
         return self._whole(self._derivative(name) - self.exact)
 
     def without_turn(self, first: int) -> FloatArray:
-        """Return the error of the derivative of dx/dt if δθ' = δω − ω × δθ lacks a part, (6, 6).
+        """Return the error of the derivative of dx/dt by x if the attitude's lacks a part, (6, 6).
+
+        x is attitude and ω in the chart. Small changes of the two obey δθ' = δω − ω × δθ.
 
         Parameters
         ----------
@@ -285,7 +303,9 @@ class _Rates:
         return lacking
 
     def secant(self, epsilon: float, two_sided: bool) -> FloatArray:
-        """Return the error that finite differences make in the derivative of dx/dt, (6, 6).
+        """Return the error that finite differences make in the derivative of dx/dt by x, (6, 6).
+
+        x is attitude and ω in the chart.
 
         Parameters
         ----------
@@ -300,7 +320,7 @@ class _Rates:
         return self._whole(slope.T - self.exact)
 
     def _whole(self, rate: FloatArray) -> FloatArray:
-        """Return a derivative of dx/dt, (6, 6), with given rows of dω/dt and zeros for attitude.
+        """Return a 6 × 6 matrix with zeros in the rows of attitude, and given rows of ω.
 
         Parameters
         ----------

@@ -315,7 +315,7 @@ class MethodStudy:
         return jacobians, is_step
 
     def _jacobian(self, session: Session, name: str) -> FloatArray:
-        """Return the Jacobian of the next step of a session, in units, (6, 6).
+        """Return the Jacobian of the next step of a session, divided by `units`, (6, 6).
 
         Parameters
         ----------
@@ -389,7 +389,7 @@ class MethodStudy:
 
 
 def _raised(error: Exception) -> Judged:
-    """Return the verdict on a derivative whose computation raises an error."""
+    """Return the verdict, failed or unsupported, on a derivative that raises an error."""
     if isinstance(error, EngineError):
         is_unsupported = isinstance(error, UnsupportedError)
         return Judged("unsupported" if is_unsupported else "failed", str(error))
@@ -402,7 +402,8 @@ def _by(session: Session, name: str, steps: int) -> Callable[[], FloatArray]:
     Parameters
     ----------
     name : the engine's name for the derivative
-    steps : number of steps; more than one are differentiated at once if the engine can do so
+    steps : number of steps, which are differentiated at once. If the engine cannot do that, the
+        Jacobian is that of one step
     """
     one = session.derivatives()[name]
     return one.compute if steps == 1 or one.through is None else partial(one.through, steps)

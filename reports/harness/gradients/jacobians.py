@@ -97,7 +97,7 @@ def own_jacobian(
     units : units of the changes by which the differences are taken
     counts : numbers of steps, ascending, one for each Jacobian, (n,)
     share : size of these changes relative to `Units.change`, which is best if the derivatives are
-        about one in units
+        about one in `units`
     """
     sizes = share * units.change * units.each
     offsets = (CHANGES[:, None, None] * np.diag(sizes)).reshape(-1, CHART)
@@ -158,8 +158,9 @@ class Own:
     Attributes
     ----------
     jacobians : from K states with J timesteps, (J, K, 6, 6)
-    known_to : bound on the error of the Jacobians, in units, for each timestep, (J,). It is the
-        error by rounding, or their difference from Jacobians by other changes if that is larger
+    known_to : bound on the error of the Jacobians, in `Units`, for each timestep, (J,). It is the
+        error by rounding, or, if that is larger, the difference from Jacobians for which the state
+        is changed by another amount
     """
 
     jacobians: FloatArray
@@ -229,7 +230,7 @@ def settled_jacobians(
 
 
 def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArray:
-    """Return a bound on the error of Jacobians, in units, for each of J timesteps, (J,).
+    """Return a bound on the error of Jacobians, in `units`, for each of J timesteps, (J,).
 
     The bound is their largest difference from others, but not less than the error by rounding.
 
@@ -244,7 +245,7 @@ def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArr
 def stepped_by_rate(rate: FloatArray, omega_body: FloatArray, timestep: float) -> FloatArray:
     """Return the Jacobian of an explicit Euler step, (6, 6), given the derivative of dω/dt.
 
-    The change δθ of the attitude obeys δθ' = δω − ω × δθ.
+    A change δθ of the attitude, together with a change δω of ω, obeys δθ' = δω − ω × δθ.
 
     Parameters
     ----------

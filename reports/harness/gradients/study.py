@@ -26,9 +26,9 @@ FINE = 2
 
 
 def offered_by(executor: Executor, scenario: Scenario, engine: Engine, method: str) -> list[str]:
-    """Return the names of a method's derivatives, as `offered` does, but in a worker process.
+    """Return the names of a method's derivatives that can be judged, found in another process.
 
-    If the call fails, the only name is that of spincheck's own differences, `OURS`.
+    The last one is `OURS`, spincheck's own differences. It is the only one if the call fails.
     """
     answer = executor.call_at(engine.site, offered, scenario, engine, method)
     return [OURS] if isinstance(answer.value, CallFailed) else answer.value

@@ -47,7 +47,7 @@ class Judged:
 
 
 def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
-    """Return the standard deviation of a derivative's gain, in units, 1/s, by column, (J, 6).
+    """Return the standard deviation of a derivative's gain by column, in `units`, 1/s, (J, 6).
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
 
 
 def _gains(exact: Exact, off: FloatArray) -> FloatArray:
-    """Return gains, 1/s: differences of Jacobians, in units, divided by the spans of time.
+    """Return gains, 1/s: differences of Jacobians in `exact.units`, divided by the spans of time.
 
     Parameters
     ----------

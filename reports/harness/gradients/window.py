@@ -34,7 +34,7 @@ KEPT = 4
 
 @dataclass(frozen=True)
 class Gradient:
-    """The gradients of both losses after some steps, compared with the exact gradients.
+    """The gradients of two losses after some steps, compared with the exact gradients.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ def own_over(
     counts: Sequence[int],
     conditioning: FloatArray,
 ) -> list[FloatArray]:
-    """Return Jacobians of an engine's runs of given numbers of steps, in units, (6, 6) each.
+    """Return Jacobians of an engine's runs of given numbers of steps, in `units`, (6, 6) each.
 
     They are central differences of runs from changed starts. For each run the change ε is chosen
     that makes the error least: the error by rounding grows as 1/ε, the truncation error of fourth
@@ -118,8 +118,8 @@ def run_along(
     Parameters
     ----------
     counts : numbers of steps, ascending; the run ends after the last one
-    jacobian : returns the Jacobian of a session's next step, in units, (6, 6); None if no Jacobians
-        are wanted
+    jacobian : returns the Jacobian of a session's next step, in `Units`, (6, 6); None if no
+        Jacobians are wanted
 
     Returns
     -------
@@ -157,12 +157,15 @@ def gradients_along(
     jacobians: Sequence[FloatArray],
     states: Sequence[State],
 ) -> tuple[Gradient, ...]:
-    """Return the gradients of both losses at n times, compared with the exact gradients.
+    """Return the gradients of two losses at n times, compared with the exact gradients.
+
+    The losses are half the square of the turn to a target attitude, and the kinetic energy of
+    rotation.
 
     Parameters
     ----------
     exact, truth : the exact motion at these times, and its derivatives
-    jacobians : an engine's Jacobians from the start to each time, in units, (6, 6) each
+    jacobians : an engine's Jacobians from the start to each time, in `units`, (6, 6) each
     states : the engine's states at these times
 
     Raises
@@ -203,8 +206,8 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
 
     Parameters
     ----------
-    each : the Jacobian of every step, (6, 6) each, in the same `Units` as `taped`
-    taped : the Jacobian of all steps at once, in units, (6, 6)
+    each : the Jacobian of every step, in `Units`, (6, 6) each
+    taped : the Jacobian of all steps at once, in the same units, (6, 6)
     ulp : relative spacing of the engine's numbers
     """
     steps = len(each)
@@ -241,7 +244,9 @@ def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
 
 
 def _slopes(equations: Equations, state: State, target: FloatArray) -> list[FloatArray]:
-    """Return the derivatives of both losses by attitude and ω at the end of a run, (6,) each.
+    """Return the derivatives of two losses by attitude and ω at the end of a run, (6,) each.
+
+    The losses are half the square of the turn to the target, and the kinetic energy of rotation.
 
     Parameters
     ----------

@@ -236,8 +236,8 @@ class _Examination:
     def _hinges_may_explain(self, look: Look) -> bool:
         """Return whether hinges that give way, as soft constraints do, may explain a fault.
 
-        They may if the gains tend to a limit, rather than leap, and no timesteps have been left
-        out.
+        They may if the fault is of the kind `limit`, that is, if gains tend to a limit other than
+        zero, and if none of the `HALVINGS` timesteps has been left out.
         """
         has_hinges = look.steps.before.spins.size and len(self.at.timesteps) == HALVINGS
         return bool(has_hinges and look.tail < LEVEL and kind_of(look) == "limit")
@@ -277,7 +277,7 @@ class _Examination:
         return np.concatenate([self.at.timesteps, finer])
 
     def _take_shorter_steps(self) -> Look:
-        """Take steps also with shorter timesteps, to see if these follow a series of their own.
+        """Take steps with shorter timesteps, too, to see if their gains follow a second series.
 
         All steps are taken twice, the second time from states that are changed a little. The
         difference between the two gains counts as noise of the engine, up to `NOISE` a step.
@@ -307,7 +307,8 @@ class _Examination:
         settle : number of steps in which a constraint settles first
         repeats : number of repeats of each state; if it is 1, the state itself is used
         halved : timesteps, each half of the one before, s
-        may_split : whether shorter steps may follow a second series
+        may_split : whether two series may be fitted to the gains, one at long and one at short
+            timesteps, as a method may compute short steps by another formula
         is_changed : whether the state is changed even if it is used only once
         """
         engine, states = self.sessions.engine, self._states(repeats, is_changed=is_changed)

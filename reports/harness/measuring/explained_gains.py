@@ -60,13 +60,14 @@ class Gains(Data):
 
     @cached_property
     def exact(self) -> FloatArray:
-        """The rates of change of the quantities by the scene's equations, (K, 4, 3)."""
+        """The rates of the four quantities by the scene's equations, (K, 4, 3): see `made`."""
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:
-        """Return the rates of change of the four quantities if a hypothesis holds, (K, 4, 3).
+        """Return the rates of attitude, I ω, velocity and position by a hypothesis, (K, 4, 3).
 
-        They are in the units of `excess`, and means of repeats.
+        They are in the units of `excess`, and means of repeats. On a pivot, velocity and position
+        are returned themselves, not their rates.
 
         Parameters
         ----------
@@ -141,7 +142,7 @@ def _readings() -> Iterator[Change]:
 
 
 def _braking() -> Iterator[Change]:
-    """Yield changes in which the com's velocity decays: alone, or at the same rate as L."""
+    """Yield changes in which the com's velocity decays, alone or as fast as angular momentum."""
     one, slowed = np.ones(1), np.array([0.0, 1.0, 0.0])
     yield Change("braking", lambda h, n: h.of(braking=n[:, 0]), one)
     yield Change(

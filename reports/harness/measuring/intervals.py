@@ -146,7 +146,7 @@ class Intervals:
 
 @dataclass(frozen=True, eq=False)
 class Passage:
-    """The states that n intervals pass through in their replays, in order of time.
+    """The states that the replays of a run's n intervals pass through, in order of time.
 
     Attributes
     ----------

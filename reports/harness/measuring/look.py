@@ -82,7 +82,7 @@ class Look:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """The sizes that gains of each quantity are compared with, (Q,): those of `term_sizes`."""
+        """The sizes of the quantities' rates of change, which gains are compared with, (Q,)."""
         return term_sizes(self.equations, self.steps)
 
     @property

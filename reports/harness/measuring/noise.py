@@ -62,7 +62,8 @@ def noise_of(
 ) -> FloatArray:
     """Return the standard deviation of the noise of gains, from all sources that are not measured.
 
-    The gains are means of repeats. The sources are listed at the top of this module.
+    The gains are means of repeats. The sources are rounding, the body that the engine holds, turns
+    that it ignores, and residuals of its solver: the docstring of this module lists them.
 
     Parameters
     ----------

@@ -60,12 +60,12 @@ class Places:
         return stacked(copies)
 
     def thinned(self, most: int) -> "Places":
-        """Return these places with at most `most` of the states, spread evenly."""
+        """Return at most `most` of the states, spread evenly, with the same timesteps."""
         kept = np.unique(np.linspace(0, len(self.times) - 1, most).astype(int))
         return replace(self, states=self.states.rows(kept), times=self.times[kept])
 
     def milder(self) -> "Places":
-        """Return these places with shorter timesteps, and only with states that are on the motion.
+        """Return only the states that are on the motion, with shorter timesteps.
 
         They are used if a method refuses some of the original states or timesteps.
         """
@@ -76,14 +76,15 @@ class Places:
 
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
-    """Choose states along the exact motion, and two states with ω along no coordinate axis.
+    """Choose timesteps, states along the exact motion, and two with ω along no coordinate axis.
 
     States in which a one-sided constraint would have to pull are left out.
 
     Parameters
     ----------
     motion : the exact motion at the samples of the window
-    coarsest : the ladder's coarsest timestep, s; None if the motion has no ladder
+    coarsest : the ladder's coarsest timestep, s, which is then the longest one here; if None, the
+        motion's fastest rate decides that
     """
     equations, along = Equations(scenario), motion.at(_chosen_samples(scenario, motion))
     rate = fastest_rate(scenario, motion.omega_body) or 1 / scenario.window.duration
@@ -149,15 +150,17 @@ def changed_at_random(
 
 
 def _changed_by(vectors: FloatArray, change: FloatArray) -> FloatArray:
-    """Return v + ‖v‖ c for given vectors v, (n, 3), and one relative change c, (3,)."""
+    """Return vectors v, (n, 3), all with one relative change c, (3,), that is, v + ‖v‖ c."""
     return np.asarray(vectors + norms(vectors)[:, None] * change)
 
 
 def _condition_of_flight(scenario: Scenario) -> float:
-    """Return the contribution to `Places.condition` of a free body's com that is not at its origin.
+    """Return how much a free body's com away from the origin adds to `Places.condition`.
 
-    Engines that solve for rotation and translation together divide by the moment about the origin
-    less m arm², with arm the distance of the com from the origin. It is 0 on a pivot.
+    Engines that solve for rotation and translation together compute the moment about the com as
+    that about the body's origin less m r², with r the distance between the two. Digits
+    cancel in it: returned is m r² divided by the smallest principal moment about the com. On a
+    pivot 0 is returned.
     """
     if scenario.constraint.is_pivot:
         return 0.0

@@ -84,7 +84,7 @@ def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:
 
     Parameters
     ----------
-    condition : as `Places.condition`
+    condition : factor by which a relative error of moments of inertia grows: `Places.condition`
     """
     intervals, reach = Intervals.of(sessions, run), Equations(sessions.scenario).reach
     passage = intervals.all_again()
@@ -158,7 +158,7 @@ def _noise(intervals: Intervals, condition: float) -> FloatArray:
 
     Parameters
     ----------
-    condition : as `Places.condition`
+    condition : factor by which a relative error of moments of inertia grows: `Places.condition`
     """
     engine, scenario = intervals.sessions.engine, intervals.sessions.scenario
     run, steps = intervals.run, intervals.steps

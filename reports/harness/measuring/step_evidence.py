@@ -34,8 +34,8 @@ def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) ->
     Parameters
     ----------
     at : the states from which the steps were taken
-    order : the declared order
-    explains : whether changes that explain a fault are looked for
+    order : the declared order; 0 in single precision
+    explains : whether changes of the equations of motion that explain a fault are looked for
     """
     return StepEvidence(
         len(at.times),

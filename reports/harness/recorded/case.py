@@ -43,7 +43,8 @@ class Case:
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,), by noise or coarse rounding
         that was found in the recording before; zeros if none was found
     undone : how many times mistakes in recording have been corrected in the reading
-    is_smooth : whether samples have been left out because of a jump; no more jumps are looked for
+    is_smooth : whether samples have been left out because of a jump; if so, no more jumps are
+        looked for
     is_trial : whether the case is only a trial, which is given up as soon as part of the motion
         stays unexplained
     """
@@ -72,7 +73,10 @@ class Case:
 
     @property
     def reach(self) -> int:
-        """The number of samples on each side from which ω is computed; 0 if ω was recorded."""
+        """The number of samples before, and after, each sample from which its ω is computed.
+
+        It is 0 if ω was recorded.
+        """
         return self.recorded.derived.reach if self.recorded.derived else 0
 
     def of(self, samples: NDArray[np.intp]) -> "Case | None":
@@ -127,16 +131,17 @@ class Case:
         Raises
         ------
         RecordingError
-            If the recorded motion cannot be computed, as `recorded_motion` says.
+            If ω was not recorded and the attitudes are too far apart to compute it.
         """
         recorded = recorded_motion(self.scenario, recording, reading, exact)
         return replace(self, recording=recording, reading=reading, exact=exact, recorded=recorded)
 
     @property
     def stated(self) -> FloatArray | None:
-        """The standard deviations of attitude, rad, and ω, rad/s, (2,), that the file states.
+        """The standard deviations of noise that the file states: attitude, rad, ω, rad/s, (2,).
 
-        Each is at least that in `floor`. The property is None if the file states neither.
+        Each is at least the bound in `floor`, which is used if the file states only the other one.
+        The property is None if it states neither.
         """
         stated = [float(self.recording.settings.get(name, 0.0)) for name in NOISE]
         return np.maximum(stated, self.floor) if any(stated) else None
@@ -182,7 +187,7 @@ class Case:
 
     @cached_property
     def physics(self) -> Physics:
-        """The search for other physics that explain the recorded motion."""
+        """The search for other equations, an integrator or a clamp of ω that explain the motion."""
         of_method = self.timestep, self.order, self.of_intervals
         return Physics(self.scenario, self.motion, self.exact, *of_method, self.reach)
 

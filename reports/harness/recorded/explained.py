@@ -60,7 +60,7 @@ class Explanation:
     ----------
     explained_by : sentences on what explains why the motion is not the exact one
     verdict : a sentence on whether its errors are within noise, or within those of its method
-    is_beyond : whether its errors are larger than that
+    is_beyond : whether its errors are larger than noise, or than those of its method
     made_by : the known integrator that computed the motion, in words; empty if none is recognised
     measured : the fit to all samples if the motion has noise, else None
     is_open : whether part of the difference from the exact motion stays unexplained
@@ -85,7 +85,7 @@ def explained(case: Case) -> Explanation:
 
 
 def _with_remainder(case: Case, found: Finding) -> Explanation:
-    """Return a finding in a recording, together with what explains the rest of the difference.
+    """Return a finding and what explains the rest of the difference from the exact motion.
 
     The cases in `Finding.left` are explained in turn. The first that is explained fully is used; if
     none is, the last one.
@@ -216,7 +216,7 @@ def _since_exactly(case: Case) -> Explanation | None:
 def _beside_a_mistake(case: Case) -> Explanation | None:
     """Return a mistake in recording, together with what explains the corrected motion.
 
-    A mistake is tried only if ω is the rate of the attitude after it is corrected.
+    Only those mistakes are tried after whose correction ω is the rate of the attitude.
 
     Returns
     -------
@@ -266,7 +266,7 @@ def _of_solvers(case: Case) -> FloatArray:
 
 
 def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
-    """Return what explains a motion that has no noise, as one that was computed.
+    """Return what explains a motion without noise, which was computed and not measured.
 
     Parameters
     ----------
@@ -305,11 +305,11 @@ def _of_computed(case: Case, alternates: Alternation | None) -> Explanation:
 
 
 def _of_attitudes(case: Case) -> list[str]:
-    """Return sentences on other equations that the attitudes obey, and on how ω was then recorded.
+    """Return sentences on other equations that the attitudes obey, and on how ω was misrecorded.
 
     The list is empty if no such equations are found, or if the wrong ω cannot be explained beside
-    them. They are not looked for if the case is only a trial, if ω was not recorded, or if other
-    equations explain the whole motion but for noise or a method's errors.
+    them. It is empty, too, if the case is only a trial, if ω was not recorded, or if other
+    equations explain attitude and ω together, but for noise or a method's errors.
     """
     physics = case.physics
     found = physics.found or physics.by_change
@@ -370,10 +370,11 @@ def _of_measured(fit: Measured, case: Case) -> Explanation:
 
 
 def _verdict(physics: Physics, is_beyond: bool, *, is_explained: bool) -> str:
-    """Return a sentence on whether a motion exceeds its method's error.
+    """Return a sentence on whether a motion's errors are larger than those of its method.
 
     Parameters
     ----------
+    is_beyond : whether they are
     is_explained : whether a mistake or other physics explains the motion
     """
     if physics.search is None and not is_beyond:

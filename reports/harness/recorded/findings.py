@@ -28,7 +28,8 @@ class Finding(NamedTuple):
     ----------
     words : sentences on the finding
     left : the recording with the mistake corrected or the wrong samples left out, in one or more
-        alternative cases. They are explained in turn, until one is explained fully
+        alternative cases. They are explained in turn, until one is explained fully. Empty if
+        nothing remains to be explained, or too few samples do
     is_beyond : whether the finding is more than the error of a method; None if the deviations of
         the motion decide that
     is_all : whether each case in `left` has all samples of the recording, and not only some
@@ -49,7 +50,7 @@ def finding(case: Case) -> Finding | None:
 
 
 def _of_numbers(case: Case) -> Finding | None:
-    """Return what samples show by themselves or beside their neighbours; None if nothing.
+    """Return the finding from digits, or from odd samples or columns; None if there is none.
 
     `Finding.left` has one case if all samples can be corrected: the corrected recording. It also
     has one if no sample is wrong: the recording as it is. Otherwise it has two cases: the recording
@@ -77,7 +78,7 @@ def _of_numbers(case: Case) -> Finding | None:
 
 
 def _odd_samples(case: Case) -> Shown | None:
-    """Return what single samples or columns show beside the other samples; None if nothing."""
+    """Return the mistake that single samples or columns show beside the others; None if none."""
     numbers = case.numbers
     found = interpolated(numbers) or lost_sign(case.reading, numbers) or across_signs(numbers)
     if found or numbers.omega is None:
@@ -94,7 +95,7 @@ def _odd_samples(case: Case) -> Shown | None:
 def _of_mistakes(case: Case) -> Finding | None:
     """Return mistakes in recording, and the case with them corrected; None if none is found.
 
-    None is looked for if mistakes have been corrected more than `MOST_UNDONE` times before.
+    If mistakes have been corrected more than `MOST_UNDONE` times before, no more are looked for.
     """
     reading, scenario = case.reading, case.scenario
     if case.undone > MOST_UNDONE:
@@ -133,6 +134,6 @@ def _of_jumps(case: Case) -> Finding | None:
 def parts_of(case: Case, *samples: NDArray[np.intp]) -> tuple[Case, ...]:
     """Return a case for each of several sets of samples that are given by their indices, (k,).
 
-    Sets with too few samples for a case, as `Case.of` says, are left out.
+    Sets for which `Case.of` returns None, such as those with too few samples, are left out.
     """
     return tuple(filter(None, map(case.of, samples)))

@@ -47,7 +47,7 @@ class JudgedMotion:
         it
     verdict : a sentence on whether the motion's errors are within noise, or within the errors of a
         method with the given order and timestep
-    is_beyond : whether the motion's errors are larger than that
+    is_beyond : whether the motion's errors are larger than noise, or than those of such a method
     errors : the largest error of each signal, by name; of the attitude in rad, else relative. It is
         None for a quantity that was not recorded, except for com and velocity of a body on a pivot,
         which follow from attitude and ω

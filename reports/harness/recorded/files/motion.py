@@ -63,9 +63,9 @@ class Reading(NamedTuple):
 
 
 def reading_of(recording: Recording) -> Reading:
-    """Return a recording in the reading that its settings state, with quaternions normalised.
+    """Return a recording, read as its settings state, with quaternions normalised.
 
-    If it states none, quaternions are w x y z, and ω is along body axes.
+    If they do not say otherwise, quaternions are w x y z, and ω is along body axes.
     """
     stated = recording.settings
     order: QuaternionOrder = "xyzw" if stated.get("quaternion") == "xyzw" else "wxyz"

@@ -44,6 +44,7 @@ class KnownIntegrators:
         """Some of the intervals, once for each known integrator that takes steps in them.
 
         The steps have the stated timestep, or the median time between samples if none is stated.
+        The tuple is empty if the lengths of the intervals are not multiples of that timestep.
         """
         return self._steps(self.stated or self.span, FEW)
 
@@ -83,20 +84,20 @@ class KnownIntegrators:
         return [one for one in KNOWN if is_kept or not one.keeps_length]
 
     def that_made(self, hypothesis: Hypothesis) -> str:
-        """Return in words the known integrator that computed the motion with a hypothesis.
+        """Return in words the integrator that computed the motion from a hypothesis' equations.
 
-        With the stated timestep, and with the equations of the hypothesis, its steps lead from
-        sample to sample within noise. The text is empty if there is no such integrator, or if the
-        exact flow of these equations leads from sample to sample within noise, too.
+        Its steps, with the stated timestep, or with the median time between samples if none is
+        stated, lead from sample to sample within noise. The text is empty if no known integrator
+        does that, or if the exact flow of these equations does the same.
         """
         exactly = self.left_exactly(hypothesis)
         return self._in_words(self._best(self.each, hypothesis, exactly, noise=1.0))
 
     def at_another_timestep(self, hypothesis: Hypothesis) -> str:
-        """Return in words the known integrator that computed the motion with another timestep.
+        """Return in words the known integrator that computed the motion with a guessed timestep.
 
-        The timesteps tried are the median time between samples, divided by `STEPS`. The text is
-        empty if no integrator is found.
+        The timesteps tried are the median time between samples, divided by each of `STEPS`. The
+        text is empty if no integrator is found.
 
         Of the many integrators and timesteps, some have residuals as small as noise by chance. So
         the residuals must be far smaller than those of the exact flow.

@@ -52,13 +52,14 @@ Tree = tuple[int, tuple["Tree", ...]]
 def left_by_methods(
     data: Intervals, orders: Sequence[int], timestep: float | None = None
 ) -> FloatArray:
-    """Return the residuals that remain after the leading errors of methods are fitted, (6 S,).
+    """Return the residuals of S intervals after leading errors of methods are fitted, (6 S,).
 
-    They are in units of `data.scale`, for S intervals. The errors are combinations of elementary
-    differentials. Their coefficients, at most `LARGEST` in size, are fitted by least squares.
+    They are in units of `data.scale`. The errors are combinations of elementary differentials.
+    Their coefficients, at most `LARGEST` in size, are fitted by least squares.
 
     Parameters
     ----------
+    data : the intervals, and in `data.base` the equations that the methods solve
     orders : orders of accuracy of the methods
     timestep : timestep of the methods, s; the time between samples if None
     """
@@ -85,6 +86,7 @@ def leading_errors(
 
     Parameters
     ----------
+    data : the intervals, and in `data.base` the equations that the methods solve
     orders : orders of accuracy of the methods
     timestep : timestep of the methods, s; the time between samples if None
     """
@@ -140,7 +142,9 @@ def _terms(equations: OtherEquations) -> list[OtherEquations]:
 
 
 def _colours(order: int, terms: int) -> Sequence[int]:
-    """Return the colours that vertices of trees may have for methods of an order of accuracy.
+    """Return the colours of rooted trees' vertices for methods of an order of accuracy.
+
+    A colour says for which right-hand sides of the equations a vertex stands: see `BOTH`.
 
     Parameters
     ----------

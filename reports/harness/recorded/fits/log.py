@@ -67,9 +67,9 @@ class Log(Data):
 
     @cached_property
     def integrator(self) -> Integrator:
-        """The integrator of hypotheses: `APPROXIMATE` if its error is small enough, else `EXACT`.
+        """The integrator that computes the motions of hypotheses: `APPROXIMATE` or `EXACT`.
 
-        The error must be less than the noise of the mean of all samples.
+        It is `APPROXIMATE` if the error of that is less than the noise of the mean of all samples.
         """
         error = ERROR * self.rate * float(np.abs(self.t - self.t[0]).max())
         noise = min(self.noise[0], self.noise[1] / (self.rate or 1.0)) / np.sqrt(len(self.t))
@@ -142,8 +142,8 @@ class Log(Data):
 
         Near an unstable motion a difference of the start grows without bound. From the first sample
         on at which the scene's own equations, followed from the start, are off the exact motion by
-        a part of the noise, no hypothesis can be compared with the samples. The first `FEWEST` are
-        kept in any case.
+        more than the fraction `LEFT` of the noise, no hypothesis can be compared with the
+        samples. The first `FEWEST` are kept in any case.
 
         Parameters
         ----------
@@ -183,7 +183,7 @@ class Log(Data):
         return np.asarray(squares + 3 * len(self.t) * fits[: squares.shape[1]] ** 2)
 
     def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:
-        """Return by how much each of M changes decreases χ², (M,).
+        """Return by how much each of M changes of equations or readings decreases χ², (M,).
 
         If noise is not stated, twice the logarithm of the likelihood ratio is returned instead.
         Each likelihood has the noise that is estimated from its own residuals.

@@ -55,7 +55,7 @@ START = Change("start", lambda h, n: h.of(start=h.start + n), np.ones(6))
 
 @dataclass(frozen=True, eq=False)
 class LogFit:
-    """The fit of a measured motion, with all the changes that its samples require.
+    """The fit of a measured motion, with all changes of equations or readings that it requires.
 
     Attributes
     ----------
@@ -67,12 +67,12 @@ class LogFit:
 
     @cached_property
     def tensor(self) -> Change:
-        """The change that fits the tensor of inertia, by its deviation from the scene's tensor."""
+        """The change of the tensor of inertia; its parameters are deviations from the scene's."""
         return tensor(self.given.base)
 
     @cached_property
     def by_attitude(self) -> Change:
-        """The change that adds a torque that depends on the attitude."""
+        """The change of the equations that adds a torque which depends on the attitude."""
         return by_attitude(usual_torque(self.scenario, self.given.base))
 
     @cached_property
@@ -122,7 +122,7 @@ class LogFit:
 
     @cached_property
     def search(self) -> Stepwise:
-        """The search for the changes that the samples require, with the noise of `given`.
+        """The search for the changes of equations or readings that the samples in `given` require.
 
         Changes of a tensor's moments about given axes are not tried, as noise may hide that the
         tensor has other axes.
@@ -137,7 +137,7 @@ class LogFit:
 
     @cached_property
     def found(self) -> Fit:
-        """The best fit, with all changes that the samples require."""
+        """The best fit, with all changes of equations or readings that the samples require."""
         search = self.search
         if not self._is_beyond(search.unchanged):
             every = replace(search, changes=[*search.changes, self.by_attitude])
@@ -220,7 +220,7 @@ class LogFit:
 
     @cached_property
     def fit(self) -> Fit:
-        """The best fit with the noise of `log`."""
+        """The fit of the changes in `found`, repeated with the noise of `log` as weights."""
         return Trial(self.log, self.found.changes).fit(self.found)
 
     @cached_property

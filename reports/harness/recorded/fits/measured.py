@@ -65,11 +65,12 @@ class Measured(LogFit):
         }
 
     def explained(self, but: Change | None = None) -> list[str]:
-        """Return sentences on the changes that the samples require, or on what is right by itself.
+        """Return sentences on the changes that the samples require, or on what part is exact.
 
-        If the residuals exceed noise, and only the attitudes, only ω, or all but the times are the
-        scene's, that sentence is returned alone. If noise is not stated, the sentence on the times
-        is so returned whatever the residuals are. If they far exceed noise, no changes are named.
+        If the residuals exceed noise, and the attitudes alone, ω alone, or all but the times are
+        the exact motion's, the only sentence says so. If noise is not stated, it says so of all
+        but the times even if the residuals are within noise. If they far exceed noise, no changes
+        are named: the list is empty if no part is exact, either.
 
         Parameters
         ----------

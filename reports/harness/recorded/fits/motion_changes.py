@@ -70,7 +70,7 @@ LOCKED = [_locked_axis(axis, is_set=is_set) for is_set in (False, True) for axis
 
 @lru_cache(1)
 def changes_of_motion(scenario: Scenario) -> tuple[Change, ...]:
-    """Return every change with which a motion of a scene may have been computed or recorded."""
+    """Return all changes of a scene's equations, or of how states are read, that are tried."""
     scene = scenario, equations_of(scenario)
     of_equations = IN_WORLD, *changes(scenario), *OTHER_SIGNS, *LOCKED
     return *of_equations, *of_rotors(*scene), *of_attitude(*scene), *READINGS

@@ -19,7 +19,7 @@ from ...explaining.other_tensors import tensors_of_entries
 
 
 def tilt(e: OtherEquations) -> Iterator[Change]:
-    """Yield the change of gravity's direction by two angles, rad, if gravity has a torque."""
+    """Yield the change of gravity's direction by two angles, rad; none if gravity has no torque."""
     if e.pull.any() and e.gravity_world.any():
         perpendicular = np.linalg.svd(e.gravity_world[None])[2][1:]
 
@@ -35,9 +35,9 @@ def tilt(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that add a torque that depends on the attitude, or that turn body or world.
+    """Yield changes that add a torque by the attitude, or a rate at which body or world turns.
 
-    Only long motions show their effects.
+    Only long motions show the effects of these changes.
     """
     rate = usual_rate(scenario, e)
     size, gravity = usual_torque(scenario, e), e.gravity_world

@@ -91,7 +91,7 @@ class Physics:
     def intervals(self) -> Intervals | None:
         """The intervals between samples, at most `MOST_INTERVALS`.
 
-        The property is None if there are too few in which the body does not turn too far.
+        The property is None if in too few of them the body turns so little that they can be used.
         """
         of_method = self.timestep, self.order, self.noise
         inner = self.motion.at(np.arange(self.reach, len(self.motion.t) - self.reach))
@@ -103,7 +103,11 @@ class Physics:
 
     @cached_property
     def search(self) -> Search | None:
-        """The search for changes that explain the motion; None without intervals."""
+        """The search for changes of equations or readings that explain the recorded motion.
+
+        Each change is tested in the intervals between samples (`intervals`). The property is None
+        if there are too few of these.
+        """
         data = self.intervals
         every = changes_of_motion(self.scenario)
         return None if data is None else Search(data, every, most=MOST_PARAMETERS)
@@ -114,7 +118,7 @@ class Physics:
 
         In each interval the recorded state at the end is compared with that to which the exact flow
         of `base` leads from the recorded start. The error is that of a method with the stated order
-        and timestep. Without intervals the property is False.
+        and timestep. If `intervals` is None, the property is False.
         """
         return self.search is not None and self.search.exceed_noise(self.search.unchanged.residuals)
 
@@ -123,7 +127,7 @@ class Physics:
         """The known integrator that computed the motion with the equations of `base`, in words.
 
         Other timesteps than the stated one are tried, too. The text is empty if no known integrator
-        computed the motion, or without intervals.
+        computed the motion, or if `intervals` is None.
         """
         if self.known is None:
             return ""
@@ -151,10 +155,12 @@ class Physics:
     def apparent_order(self) -> int:
         """The order of accuracy that the errors show, if they are not those of the stated method.
 
-        Methods of lower orders are tried, and of the stated order with a longer timestep. Their
-        leading errors must explain the differences from the exact flow up to the next term, which
-        those of the stated method do not, or far worse. No change of the equations may leave far
-        smaller residuals. The order is 0 if none is found, or if no timestep is stated.
+        Methods of lower orders are tried, and of the stated order with a longer timestep. The
+        leading error of such a method must explain the differences from the exact flow, but for the
+        next term of its error. If errors of the stated method explain them as well, they must leave
+        far larger residuals. A change of the equations must not leave far smaller ones. The order
+        is 0 if no such method is found, if a known integrator computed the motion, or if no
+        timestep is stated.
         """
         if self.timestep is None or self.intervals is None or self.made_by:
             return 0
@@ -204,7 +210,7 @@ class Physics:
     def least_timestep(self) -> float:
         """The shortest timestep, s, with which errors of the stated order explain the motion.
 
-        It is 0 if no timestep is stated, or without intervals.
+        It is 0 if no timestep is stated, or if `intervals` is None.
         """
         if self.intervals is None or self.search is None or self.timestep is None:
             return 0.0
@@ -214,25 +220,25 @@ class Physics:
 
     @cached_property
     def known(self) -> KnownIntegrators | None:
-        """The comparison of the motion with known integrators; None without intervals."""
+        """The comparison of the motion with known integrators; None if `intervals` is."""
         return KnownIntegrators(self.intervals, self.timestep) if self.intervals else None
 
     def _integrator(self, hypothesis: Hypothesis) -> str:
-        """Return in words the known integrator that computed the motion with a hypothesis.
+        """Return in words the integrator that computed the motion from a hypothesis' equations.
 
-        The text is empty if none did.
+        The text is empty if no known integrator did.
         """
         return self.known.that_made(hypothesis) if self.known else ""
 
     def after(self, found: Fit) -> "Physics":
-        """Return the search for further changes, in addition to those that a fit found."""
+        """Return the search for further changes; its `base` is the hypothesis that a fit found."""
         return replace(self, base=found.hypothesis)
 
     @cached_property
     def by_other_equations(self) -> Fit | None:
-        """The change with which a known integrator computed the motion; None if there is none.
+        """The fit of a change of the equations with which a known integrator computed the motion.
 
-        It is None, too, if a known integrator computed the motion without any change.
+        It is None if there is no such change, or if an integrator computed the motion without any.
 
         Changes with parameters are tried only if a timestep is stated; besides, `base` must have
         changes already, or the motion must be beyond a method's error. Otherwise the implicit
@@ -283,7 +289,7 @@ class Physics:
         """The root mean square differences of attitude, rad, and ω, rad/s, in the intervals, (2,).
 
         They are those of the recorded ends from the exact flow of `base`, followed from the
-        recorded starts. Without intervals they are 0.
+        recorded starts. They are 0 if `intervals` is None.
         """
         if self.intervals is None:
             return np.zeros(2)
@@ -299,9 +305,10 @@ class Physics:
 
     @cached_property
     def of_exact_motion(self) -> Fit | None:
-        """The change, or pair, with which the exact flow leads from sample to sample; or None.
+        """The fit of a change, or a pair, with which the exact flow leads from sample to sample.
 
-        It must reduce the differences from the exact flow of `base` to the fraction `SAME` or less,
+        The changes are those of equations or readings. The property is None if none does. The fit
+        must reduce the differences from the exact flow of `base` to the fraction `SAME` or less,
         or to noise. Nothing is tried if these differences may be a method's error. Changes that
         explain the motion so well may have up to `MOST_OF_ALL` parameters.
         """
@@ -346,7 +353,7 @@ class Physics:
 
     @cached_property
     def unlike_any_change(self) -> list[str]:
-        """Sentences that a parameter varies in time, or else that energy is lost within the body.
+        """Sentences that a parameter of the equations varies in time, or else that energy is lost.
 
         The list is empty if neither explains the motion.
         """
@@ -361,10 +368,10 @@ class Physics:
 
     @property
     def by_change(self) -> Fit | None:
-        """The changes that explain the motion; None if none do.
+        """The fit of one or two changes of equations or readings that explain the motion, or None.
 
-        If the motion is within a method's error, changes count only if they explain it far better:
-        with the exact flow, or with a known integrator.
+        If the motion is within a method's error, changes count only if with them the exact flow, or
+        a known integrator, leads from sample to sample.
         """
         return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
 
@@ -394,7 +401,7 @@ class Physics:
 
     @property
     def _within_error(self) -> Fit | None:
-        """The change, or pair, that explains the motion together with methods' errors; or None."""
+        """The fit of one or two changes that explain the motion beside methods' errors; or None."""
         if self.intervals is None or self.search is None:
             return None
         orders, every = range(1, self.order + 1), self._of_motion
@@ -403,7 +410,10 @@ class Physics:
 
     @cached_property
     def found(self) -> Fit | None:
-        """The change, or pair of changes, that explains the motion best; None if none does."""
+        """The fit of a change of equations or readings, or a pair, that explains the motion best.
+
+        It is None if none does.
+        """
         if self.search is None or self.intervals is None:
             return None
         found = self.search.one_or_two()
@@ -416,7 +426,7 @@ class Physics:
         return other if other.mean_square < SAME**2 * residual_square else found
 
     def _is_partial(self, found: Fit) -> bool:
-        """Return whether neither a method's error nor a known integrator explains the residuals."""
+        """Return whether no method's error and no known integrator explains a fit's residuals."""
         if self.search is None or self.intervals is None:
             return False
         is_beyond = self.search.exceed_noise(found.residuals)
@@ -424,7 +434,10 @@ class Physics:
 
     @property
     def is_open(self) -> bool:
-        """Whether more than a method's error is left by changes, clamps, and known integrators."""
+        """Whether the motion is beyond a method's error, and nothing that was tried explains all.
+
+        Clamps of ω, known integrators, other methods and the changes in `found` are tried.
+        """
         if not self.is_beyond or self.clamps or self.made_by or self.apparent_order:
             return False
         return self.found is None or self._is_partial(self.found)
@@ -446,10 +459,10 @@ class Physics:
 
     @property
     def is_open_or_turning(self) -> bool:
-        """Whether `is_open`, or whether one of the two changes in `found` may be a mistake.
+        """Whether `is_open`, or whether one of two changes in `found` may be a recording mistake.
 
-        A change of how states are read, or of how the attitude follows from ω, may be a mistake in
-        recording instead, which would leave only the other change.
+        That may be a change of how states are read, or of how the attitude follows from ω. If the
+        mistake is corrected, only the other change remains.
         """
         changes = self.found.changes if self.found and not self.made_by else ()
         return self.is_open or (len(changes) > 1 and any(is_of_turning(one) for one in changes))

@@ -65,7 +65,7 @@ class ReadOmega(Data):
 def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
     """Return sentences on how the recorded ω was computed from the ω that the attitudes imply.
 
-    If no way is found in which it was computed, the sentence is `OMEGA`.
+    If no way is found, the sentence is `OMEGA`: it only says that ω is not that of the attitudes.
 
     Parameters
     ----------
@@ -179,9 +179,9 @@ def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[
 
 
 def _differences(motion: Trajectory) -> list[str]:
-    """Return a list of the sentence that ω is the mean rate between two attitudes, and which ones.
+    """Return a list of the sentence that the recorded ω is the mean rate between two attitudes.
 
-    The list is empty if ω is not.
+    The sentence says which attitudes. The list is empty if ω is no such rate.
     """
     t, q, omega = motion.t, motion.q_world_body_wxyz, motion.omega_body
     rates = rotation_vectors(q[:-1], q[1:]) / np.diff(t)[:, None]
@@ -198,7 +198,7 @@ def _differences(motion: Trajectory) -> list[str]:
 
 
 def _sensor_error(data: ReadOmega) -> list[str]:
-    """Return sentences on the gyroscope's error that explains the recorded ω, if there is one."""
+    """Return sentences on the gyroscope's error that explains the recorded ω; empty if none."""
     found = Search(data, (*OF_LOGS, CROSS_AXIS), part=LEFT**2).one()
     return sentences(found) if found else []
 

@@ -59,8 +59,9 @@ def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
 def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
     """Return a list of the sentence that only attitude, or only ω, is exact within noise.
 
-    The list is empty if both or neither are. The sentence names the samples at which the other
-    quantity is wrong if they are fewer than half of all.
+    The list is empty if both or neither are, or if ω was not recorded. If the other quantity is
+    wrong at fewer than half of all samples, the sentence names these. If ω is wrong because a
+    gyroscope saturates, the sentence says so.
 
     Parameters
     ----------

@@ -25,11 +25,13 @@ MEET = 5.0
 
 
 def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
-    """Return sentences on when a motion with noise changes suddenly, and what explains it later.
+    """Return sentences on when a motion with noise suddenly changes, and how it goes on then.
 
-    The motion is the exact one until χ² of its errors exceeds noise. The later samples are fitted
-    by themselves, and the fitted motion is followed back in time to where it meets the exact one.
-    If they do not meet, the motion jumps.
+    The first sample after the change is the first at which χ² of all deviations so far from the
+    exact motion exceeds noise. The samples from there on are fitted by themselves. If that requires
+    other equations than the scene's, there is a sentence for each change of these. The time of the
+    change is then that at which the fitted motion, followed back in time, meets the exact one, if
+    it does. If no other equations are required, the sentence says by how much the motion jumps.
 
     Parameters
     ----------
@@ -38,7 +40,8 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
 
     Returns
     -------
-    An empty list if there is no such change, or if there are too few samples before or after it
+    The sentences. There are none if too few samples are before or after the change, if the motion
+    before it is not the exact one, or if that after it is not explained, both to within noise
     """
     scenario, log = fit.scenario, fit.given
     squares = np.sum(fit.search.unchanged.residuals.reshape(len(motion.t), -1) ** 2, axis=1)

@@ -23,7 +23,7 @@ LIKELIEST = 3
 
 @dataclass(frozen=True, eq=False)
 class Stepwise(Search):
-    """A search for the changes that data call for, by stepwise regression.
+    """A search, by stepwise regression, for changes of equations or readings that explain data.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class Stepwise(Search):
         """Return fits of the changes `kept` and one other, that are simpler than a given fit.
 
         The parts of the data in `Data.beginnings` are taken in turn, until the given fit explains
-        one significantly better than the changes `kept` do alone. The other changes that are
+        a part significantly better than the changes `kept` do alone. The other changes that are
         promising there, by `_promising`, are fitted to this part and to all later ones. A fit is
         dropped as soon as the given fit explains a part significantly better. Often none is left.
         """

@@ -148,7 +148,10 @@ def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
 
 
 def _change_in_words(change: Change, parameter: float) -> str:
-    """Return a change with one parameter in words, to three digits."""
+    """Return a change with one parameter in words; these name no change if it is nearly zero.
+
+    The parameter is rounded to three digits.
+    """
     if abs(parameter) < OWN * change.scales[0]:
         return "all were as in the scene"
     rounded = float(f"{parameter:.3g}")

@@ -77,10 +77,11 @@ def within_error(
     timestep: float | None,
     next_term: float,
 ) -> Fit | None:
-    """Return the change, or pair, that explains a motion together with methods' errors; or None.
+    """Return the fit of a change, or a pair, that explains a motion beside methods' errors.
 
-    Several sizes of these errors are assumed in turn. A fit counts only if the errors that are then
-    fitted beside it are no larger than assumed, but for a factor of `ROOM`.
+    The changes are those of equations or readings. None is returned if none explain it. Several
+    sizes of the errors are assumed in turn. A fit counts only if the errors that are then fitted
+    beside it are no larger than assumed, but for a factor of `ROOM`.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def within_error(
 def refitted(
     data: Intervals, found: Fit, order: int, timestep: float | None, next_term: float
 ) -> Fit | None:
-    """Fit changes again, together with the leading errors of methods of one order of accuracy.
+    """Fit changes of the equations again, together with leading errors of methods of one order.
 
     Parameters
     ----------
@@ -133,7 +134,7 @@ def _beside(
     next_term: float,
     size: FloatArray,
 ) -> tuple[Fit | None, FloatArray]:
-    """Return the change, or pair, that explains a motion together with methods' errors of one size.
+    """Return the fit of a change, or a pair, that explains a motion beside errors of one size.
 
     Parameters
     ----------
@@ -166,8 +167,8 @@ def _beside(
 def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> list[FloatArray]:
     """Return three sizes that the errors of methods may have, rad and rad/s, (2,) each.
 
-    The first is the size without any change. The last is the smallest that is fitted beside a
-    single change, linearised. The second is the geometric mean of these two.
+    The first is fitted without any change of equations or readings. The last is the smallest that
+    is fitted beside a single change, linearised. The second is the geometric mean of these two.
     """
     most = _fitted_size(data, errors, data.deviations(data.base[None]))
     units = np.maximum(most, FITS)

@@ -70,7 +70,11 @@ class Alternation:
 
     @property
     def of_omega(self) -> list[str]:
-        """A list of the sentence that ω alternates, but not as noise does; empty if it does not."""
+        """A list of the sentence that ω alternates, but not as noise does.
+
+        The list is empty if ω does not alternate, if it does so like noise, or if it does so hardly
+        more than by rounding.
+        """
         alternates = self._alternates(self.every, 1)[1] and self.throughout[1]
         if not alternates or self.is_noise[1] or self.noise[1] < CLEARLY * self.least[1]:
             return []
@@ -94,7 +98,9 @@ class Alternation:
 
 
 def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Alternation | None:
-    """Return the errors of a motion that alternate; None if samples are too few or too far apart.
+    """Return the part of a motion's errors that alternates from sample to sample.
+
+    None is returned if there are too few samples, or if they are too far apart.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ class Intervals(Data):
 
     @cached_property
     def fastest(self) -> float:
-        """The largest ‖ω‖ that is computed, rad/s; states of motions that exceed it are nan."""
+        """The largest ‖ω‖ up to which hypotheses are followed, rad/s; beyond it states are nan."""
         speeds = norms(np.vstack([self.starts, self.ends])[:, 4:])
         return FASTER * max(float(speeds.max()), float(self.base.rate))
 
@@ -117,10 +117,11 @@ class Intervals(Data):
         return replace(self, method=np.tile(size, (len(self.spans), 1)))
 
     def made_by(self, integrator: Integrator, timestep: float) -> "Intervals":
-        """Return the intervals with an integrator for hypotheses, and without a method's error.
+        """Return the intervals with another `integrator`, and with 0 as bound on a method's error.
 
         Parameters
         ----------
+        integrator : the integrator with which the equations of hypotheses are solved
         timestep : timestep of the integrator, s
         """
         without = np.zeros_like(self.method)
@@ -131,7 +132,7 @@ class Intervals(Data):
         return self.rows(np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int)))
 
     def rows(self, kept: Sequence[int] | NDArray[np.int_]) -> "Intervals":
-        """Return some of the intervals, by their indices."""
+        """Return some of the intervals, given by their indices, (k,)."""
         names = "starts", "t", "spans", "ends", "method"
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 

@@ -86,7 +86,7 @@ def jumps(data: Intervals, reach: int) -> list[Jump]:
 
 
 def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[int]:
-    """Return the indices of the intervals whose deviations are far larger than those of others.
+    """Return the indices of the intervals between samples with far larger deviations than others.
 
     The list is empty if these intervals are more than the fraction `LEFT` of all.
 

@@ -117,7 +117,7 @@ def is_omega_off(motion: Trajectory, exact: Trajectory) -> bool:
 def _torque(data: Intervals) -> str:
     """Return in words the size and the direction of the missing torque.
 
-    It is I times the missing ω', averaged over each interval, in body axes.
+    It is the tensor of inertia times the missing ω', averaged over each interval, in body axes.
     """
     base = data.base
     deviations = data.apart(base) / data.spans

@@ -147,7 +147,8 @@ def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
     """Return corrections, each of one mistake, after which the attitude follows ω, best first.
 
     No equations of motion are used. Whatever torques act, the attitude turns between two samples at
-    the mean of their ω, except for terms of third order in the time between them.
+    the mean of their ω, except for terms of third order in the time between them. Each correction
+    is a list of the sentence on the mistake, and the corrected reading.
     """
     baseline = _kinematic_error(reading)
     found = [
@@ -159,7 +160,9 @@ def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
 
 
 def rounded_times(reading: Reading) -> list[str]:
-    """Return a sentence that times are rounded, if the attitude follows ω far better at even times.
+    """Return the sentence that the times of a recording are rounded.
+
+    They are if the attitude follows ω far better at the evenly spaced times that are found.
 
     Returns
     -------
@@ -234,9 +237,10 @@ class _Beginning:
         return self._attitude_errors[key]
 
     def error_of_attitude(self, reading: Reading) -> float:
-        """Return the largest error of the attitude, relative to the turn, as `turned` does.
+        """Return the largest error of the attitude, relative to the turn of the exact motion.
 
-        It is infinite if the times are so long that the exact motion is not computed.
+        That turn counts as 1 rad if it is larger. The error is infinite if the times are so long
+        that the exact motion is not computed.
         """
         if (reading.t[-1] - self.begins_at) * self.fastest > FURTHEST:
             return np.inf

@@ -54,9 +54,11 @@ def other_readings(
 
 
 def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield a sentence, and the recording at even times, if these, rounded, are its own times.
+    """Yield the sentence that times are rounded, and the recording at evenly spaced times.
 
-    The spacing is 1/n s, with an integer n, or the one that fits the recorded times best.
+    Two spacings are tried: 1/n s, with an integer n, and the one that fits the recorded times best.
+    A spacing is left out if its times, when rounded, are not the recorded ones, or if these have
+    not been rounded.
     """
     t, count = reading.t, np.arange(len(reading.t))
     unit = unit_of(np.diff(t))
@@ -116,7 +118,7 @@ def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
-    """Yield sentences, and the recording with attitudes and the ω of earlier or later samples."""
+    """Yield sentences, and the recording in which attitudes have the ω of other samples."""
     for samples in SAMPLES:
         earlier, later = slice(None, -samples), slice(samples, None)
         for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
