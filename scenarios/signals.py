@@ -19,7 +19,6 @@ from .mechanics import angular_momentum_world, energy, energy_base
 from .rotation import norms
 from .trajectory import Trajectory
 
-EPS = float(np.finfo(float).eps)
 #: A number that is neither negative nor NaN; checked where it is read from a file.
 Distance = Annotated[float, Field(ge=0)]
 
@@ -66,9 +65,6 @@ class Signal:
     depends_on : those of the signals "omega" and "attitude" whose orders of accuracy limit this
         signal's order
     exists : returns whether a scene has the signal
-    in_flight : returns the relative change of the signal of a free body if each number of its state
-        changes by one ulp, given the arguments of `growth`. It allows for engines that integrate
-        the flight of another point than the com. None if the signal depends on the rotation alone
     """
 
     name: str
@@ -81,7 +77,6 @@ class Signal:
     unit: str = ""
     depends_on: tuple[str, ...] = ("omega", "attitude")
     exists: Callable[[Scene], bool] = lambda _: True
-    in_flight: Callable[[Scene, Trajectory, Errors], float] | None = None
 
     @property
     def key(self) -> str:
@@ -116,19 +111,6 @@ class Signal:
         orders = {"omega": order, "attitude": attitude_order}
         return min(orders[name] for name in self.depends_on)
 
-    def growth(self, scene: Scene, exact: Trajectory, conditioning: Errors) -> float:
-        """Return how much the signal changes if each number of the scene changes by one ulp.
-
-        The change is in the unit of the signal's errors: relative, or rad.
-
-        Parameters
-        ----------
-        conditioning : the changes of all signals if only attitude and ω at the start and the body
-            change
-        """
-        of_rotation = conditioning[self.name]
-        return self.in_flight(scene, exact, conditioning) if self.in_flight else of_rotation
-
 
 def radius_of_gyration(scene: Scene) -> float:
     """Return the radius of gyration √(tr I / 2m), m, with I the tensor `Scenario.inertia`."""
@@ -146,48 +128,6 @@ def _speed(scene: Scene, exact: Trajectory) -> float:
     return max(_longest(exact.velocity_world), turning)
 
 
-def _moved(scene: Scene, exact: Trajectory, growth: Errors) -> tuple[float, float]:
-    """Return how much a free body's position, m, and velocity, m/s, change for changes of an ulp.
-
-    Each number of the state, and the arm from the body's origin to the com, changes by one ulp.
-    `growth` has the changes of attitude and ω that result.
-    """
-    arm = float(np.linalg.norm(scene.body.com))
-    fast, speed = _longest(exact.velocity_world), _longest(exact.omega_body)
-    lengths = _longest(exact.com_world) + arm + fast * float(exact.t[-1])
-    metres = EPS * lengths + growth.attitude * arm
-    return metres, EPS * fast + (growth.attitude + growth.omega) * arm * speed
-
-
-def _energy_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
-    """Return the relative change of a free body's energy for changes of its state by one ulp.
-
-    `growth` has the changes that result if only attitude, ω and the body change.
-    """
-    metres, metres_a_second = _moved(scene, exact, growth)
-    momentum = scene.body.mass * _longest(exact.velocity_world)
-    weight = scene.body.mass * float(np.linalg.norm(scene.gravity_world))
-    joules = momentum * metres_a_second + weight * metres
-    return max(growth.energy, _relative(joules, energy_base(scene, exact)))
-
-
-def _com_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
-    """Return the relative change of a free body's position for changes of its state by one ulp.
-
-    `growth` has the changes of attitude and ω that result.
-    """
-    return _relative(_moved(scene, exact, growth)[0], _way(scene, exact))
-
-
-def _velocity_in_flight(scene: Scene, exact: Trajectory, growth: Errors) -> float:
-    """Return the relative change of the velocity of a free body's com, for changes by one ulp.
-
-    Each number of its state changes by an ulp; `growth` has the changes of attitude and ω that
-    result.
-    """
-    return max(EPS, _relative(_moved(scene, exact, growth)[1], _speed(scene, exact)))
-
-
 def _fastest(_: Scene, exact: Trajectory) -> float:
     """Return the larger of the largest norm of the rotors' spins and the largest |ω|, rad/s."""
     return max(_longest(exact.spins), _longest(exact.omega_body))
@@ -196,11 +136,6 @@ def _fastest(_: Scene, exact: Trajectory) -> float:
 def _longest(vectors: FloatArray) -> float:
     """Return the largest norm of vectors, (n, k)."""
     return float(norms(vectors).max())
-
-
-def _relative(change: float, base: float) -> float:
-    """Return a change relative to a base; one ulp if the base is zero."""
-    return change / base if base else EPS
 
 
 SIGNALS = (
@@ -242,7 +177,6 @@ SIGNALS = (
         kind="scalar",
         values=energy,
         base=energy_base,
-        in_flight=_energy_in_flight,
     ),
     Signal(
         name="com",
@@ -252,7 +186,6 @@ SIGNALS = (
         kind="vector",
         values=lambda _, motion: motion.com_world,
         base=_way,
-        in_flight=_com_in_flight,
     ),
     Signal(
         name="velocity",
@@ -262,7 +195,6 @@ SIGNALS = (
         kind="vector",
         values=lambda _, motion: motion.velocity_world,
         base=_speed,
-        in_flight=_velocity_in_flight,
     ),
     Signal(
         name="spins",

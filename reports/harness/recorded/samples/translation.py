@@ -46,9 +46,8 @@ def mistakes_of_translation(
             continue
         reference = getattr(exact, f"{name}_world")
         least = float(norms(getattr(motion, f"{name}_world") - reference).max())
-        residuals = {word: _largest(other - reference) for word, other in candidates}
+        residuals = {word: _largest(other - reference) / unit for word, other, unit in candidates}
         word = min(residuals, key=residuals.__getitem__)
-        # If the com rests at the origin, conversion from a smaller unit makes any error small.
         if least > FITS * scale and residuals[word] < LEFT * min(least, scale):
             words.append(word)
     return words
@@ -169,44 +168,50 @@ def rounding_of(numbers: FloatArray, units: dict[str, float], steps: float) -> f
     return once + min(once, float(np.finfo(np.float32).eps) * float(np.abs(numbers).max())) * steps
 
 
-def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
+def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray, float]]:
     """Yield sentences on possible mistakes of the com, each with the corrected com.
 
-    The corrected com is in m, along world axes, (n, 3).
+    The corrected com is in m, along world axes, (n, 3). After it comes the unit of the recorded
+    numbers, m, or 1 if that is larger: what is left of an error is compared in this unit, as
+    conversion from a small unit makes any number small.
     """
     R = matrices(motion.q_world_body_wxyz)
     yield (
         "x y z are those of the body's origin; they are to be those of the com",
         motion.com_world + R @ scenario.constraint.lever,
+        1.0,
     )
-    yield "x y z are along body axes", turned(R, motion.com_world)
-    for name, factor in LENGTHS.items():
-        yield f"x y z are in {name}; x [{name}] says so", factor * motion.com_world
+    yield "x y z are along body axes", turned(R, motion.com_world), 1.0
+    for name, unit in LENGTHS.items():
+        yield f"x y z are in {name}; x [{name}] says so", unit * motion.com_world, min(unit, 1.0)
     for axes in EVERY_AXES:
-        yield f"x y z are along the world's axes {named(axes)}", motion.com_world @ axes.T
+        yield f"x y z are along the world's axes {named(axes)}", motion.com_world @ axes.T, 1.0
 
 
-def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray]]:
+def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray, float]]:
     """Yield sentences on possible mistakes of the velocity, each with the corrected velocity.
 
-    The corrected velocity is that of the com, in m/s, along world axes, (n, 3).
+    The corrected velocity is that of the com, in m/s, along world axes, (n, 3). After it comes the
+    unit of the recorded numbers, m/s, or 1 if that is larger, as for `_coms`.
     """
     R, v = matrices(motion.q_world_body_wxyz), motion.velocity_world
     swing_world = turned(R, np.cross(motion.omega_body, scenario.constraint.lever))
-    yield "the velocity is in body axes; it is to be in world axes", turned(R, v)
+    yield "the velocity is in body axes; it is to be in world axes", turned(R, v), 1.0
     yield (
         "the velocity is that of the body's origin; it is to be that of the com",
         v + swing_world,
+        1.0,
     )
     yield (
         "the velocity is that of the body's origin, in body axes; it is to be that of the com, in "
         "world axes",
         turned(R, v) + swing_world,
+        1.0,
     )
-    for name, factor in SPEEDS.items():
-        yield f"the velocity is in {name}; vx [{name}] says so", factor * v
+    for name, unit in SPEEDS.items():
+        yield f"the velocity is in {name}; vx [{name}] says so", unit * v, min(unit, 1.0)
     for axes in EVERY_AXES:
-        yield f"the velocity is along the world's axes {named(axes)}", v @ axes.T
+        yield f"the velocity is along the world's axes {named(axes)}", v @ axes.T, 1.0
 
 
 def _largest(vectors: FloatArray) -> float:
