@@ -228,7 +228,8 @@ def _call(failing: str, command: Sequence[str]) -> str:
         words = f"'{command[0]}' did not finish within {_PATIENCE} s"
         raise VersionError(f"{failing}: {words}") from None
     except OSError as error:
-        raise VersionError(f"'{command[0]}' cannot be started: {error.strerror}") from None
+        words = f"'{command[0]}' cannot be started: {error.strerror}"
+        raise VersionError(f"{failing}: {words}") from None
     if done.returncode:
         errors = [line for line in done.stderr.splitlines() if line.startswith("ERROR")]
         last = (errors or done.stderr.splitlines() or ["it said nothing"])[-1]

@@ -14,7 +14,7 @@ from spincheck.reports.harness.gradients.compared import GradientRow
 from spincheck.reports.harness.gradients.study import gradient_by, offered_by
 from spincheck.reports.harness.plan import plan
 from spincheck.reports.harness.study import run_study
-from spincheck.reports.results.records import Row
+from spincheck.reports.results.records import UNSOLVED, Row
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Scenario
 
@@ -51,7 +51,7 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
             _workers.cache_clear()
             raise
         rows = store.read(choice.timesteps).rows
-    return next(row for row in rows if row.timestep in (timestep, 0.0))
+    return next(row for row in rows if row.timestep in (timestep, UNSOLVED))
 
 
 def judged_gradients(
@@ -70,12 +70,14 @@ def judged_gradients(
     Raises
     ------
     ValueError
-        If there is no such engine or method, or if the timestep or the window is not a finite
-        number above 0.
+        If there is no such engine or method, if the timestep or the window is not a finite number
+        above 0, or if the window is shorter than the timestep.
     """
     for name, given in {"timestep": timestep, "window": window}.items():
         if given is not None and not 0 < given < float("inf"):
             raise ValueError(f"'{name}' must be above 0, got {given}.")
+    if timestep and window and window < timestep:
+        raise ValueError(f"'window' must be no shorter than 'timestep', got {window:g} s.")
     of = _workers(os.getpid()), scenario, _engine_of(engine, method), method
     return [gradient_by(*of, derivative, timestep, window) for derivative in offered_by(*of)]
 

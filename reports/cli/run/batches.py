@@ -187,9 +187,11 @@ def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:
         )
     else:
         yield "A world moves the same, to the last bit, in each of these batches."
-    beside = min(row.beside for row in rows if row.beside)
+    beside = min((row.beside for row in rows if row.beside), default=None)
+    if beside is None:
+        return
     costs = {row.worlds: (row.seconds_per_step or 0.0) / row.worlds for row in rows}
-    paying = [count for count, cost in costs.items() if cost < beside]
+    paying = [count for count in costs if all(costs[n] < beside for n in costs if n >= count)]
     mujoco = f"one of {rows[0].beside_by}, {duration(beside)} on one core"
     most = f"with up to {_worlds(max(costs))}"
     cheaper = f"from {_worlds(paying[0])} on" if paying else most

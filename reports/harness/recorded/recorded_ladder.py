@@ -247,7 +247,10 @@ def _shared(motions: Sequence[Trajectory]) -> FloatArray:
         nearest = np.clip(np.searchsorted(motion.t, times - slack), 0, len(motion.t) - 1)
         times = times[np.abs(motion.t[nearest] - times) <= slack]
     if len(times) < 2:
-        raise RecordingError("files at halved timesteps must share sample times, these have none")
+        raise RecordingError(
+            "files at halved timesteps must share two sample times or more, these share "
+            f"{len(times)}"
+        )
     return times
 
 

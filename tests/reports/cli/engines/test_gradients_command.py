@@ -83,6 +83,10 @@ def test_a_window_says_from_when_on_gradients_mean_nothing_and_the_conditioning_
         ({"method": "Moon"}, "'method' must be one of"),
         ({"timestep": float("nan")}, "'timestep' must be above 0, got nan"),
         ({"window": 0.0}, "'window' must be above 0, got 0.0"),
+        (
+            {"window": 1e-3, "timestep": 1e-2},
+            "'window' must be no shorter than 'timestep', got 0.001 s",
+        ),
     ],
 )
 def test_bad_input_in_python_is_a_value_error(named: dict[str, object], message: str) -> None:
