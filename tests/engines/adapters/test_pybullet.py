@@ -8,13 +8,18 @@ import numpy as np
 import pybullet as p
 import pytest
 from case_loops import each_case
+from library_scenes import library_scene
 from pybullet_planted import ENGINE, MAXIMAL, METHODS, MULTIBODY, TIMESTEP, opened
 from spincheck.engines import EngineError, Method, Run
 from spincheck.engines.adapters.pybullet import worlds
 from spincheck.engines.adapters.pybullet.session import PyBulletSession
 from spincheck.engines.checks.read_back import UnsupportedError, start_state
+from spincheck.reports.harness.measuring.steps import flowed
+from spincheck.reports.harness.prepared import prepare
 from spincheck.suite import test_adapter
 from spincheck.suite.contract_scenes import SCENES, scene
+
+TIPPE_TOP, CONTACT = library_scene("tippe-top-without-friction"), ENGINE.method("contact")
 
 
 def test_a_closed_world_is_given_back_and_every_other_left_as_it_is() -> None:
@@ -87,7 +92,7 @@ def test_an_inertia_of_pybullet_that_stays_behind_is_caught(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A rigid body keeps the inertia, in world axes, of the attitude at its last step."""
-    monkeypatch.setattr(PyBulletSession, "_renew_inertia", lambda *_: None)
+    monkeypatch.setattr(PyBulletSession, "_step_at_rest", lambda *_: None)
     with pytest.raises(pytest.fail.Exception, match="a restart is not a scene opened there"):
         test_adapter.test_restarts_as_it_opens(ENGINE, MAXIMAL)
 
@@ -109,6 +114,26 @@ def test_pybullet_remembers_nothing_but_its_state(method: Method) -> None:
     # A pivot takes back a fifth of its drift a step: roundings of the position, over the timestep.
     rounding = 16 * np.finfo(float).eps * (1 + 0.2 / TIMESTEP)
     assert np.linalg.norm(apart) <= rounding * np.linalg.norm(scene.start.omega_body)
+
+
+def apart_by_what_was_before() -> float:
+    """By how much the last of many restarts ends elsewhere than that of a new session, rad/s."""
+    steps, timestep = 96, 2.0**-11 / 100
+    states = prepare(TIPPE_TOP, (), 1).places.states
+    earlier = np.full(len(states.omega_body), -steps * timestep)
+    starts, last = flowed(TIPPE_TOP, states, earlier), len(earlier) - 1
+    with opened(TIPPE_TOP, CONTACT) as used, opened(TIPPE_TOP, CONTACT) as new:
+        for session, first in (used, 0), (new, last):
+            for k in range(first, last + 1):
+                session.restart(starts.rows(k), timestep)
+                session.advance(steps + 1)
+        return float(np.abs(used.read_state().omega_body - new.read_state().omega_body).max())
+
+
+def test_a_restart_of_pybullet_leaves_nothing_of_a_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert apart_by_what_was_before() == 0
+    monkeypatch.setattr(PyBulletSession, "_step_at_rest", lambda *_: None)
+    assert apart_by_what_was_before() > 1e-4
 
 
 def test_a_pivot_of_pybullet_that_cannot_bear_a_state_refuses_the_restart() -> None:
