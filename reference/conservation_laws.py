@@ -66,7 +66,10 @@ class InvariantScales:
 
     @cached_property
     def energy(self) -> float:
-        """Energy, J: kinetic energy at t = 0 plus what gravity can add to it within the window."""
+        """An upper estimate of the kinetic energy, J.
+
+        It is the one at t = 0 plus what gravity can add to it within the window.
+        """
         numbers = zip(self.problem.moments, self.problem.omega_axes, strict=True)
         turning = float(sum(moment * w * w for moment, w in numbers)) / 2
         turning += self.scenario.kept_sizes[1]
@@ -185,15 +188,15 @@ def _goryachev_chaplygin(scene: InvariantScales, motion: Trajectory) -> FloatArr
 
 
 def _momentum(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return the momentum less its gain by gravity, kg m/s, (n, 3); 0 along axes that are held."""
+    """Return m (v − g t), v the com's velocity, kg m/s, (n, 3); 0 along axes that are held."""
     gained = motion.t[:, None] * scene.scenario.gravity_world
     return scene.scenario.body.mass * (motion.velocity_world - gained) * scene.is_flying
 
 
 def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return where the parabola through each state was at t = 0, m, (n, 3); 0 along held axes.
+    """Return the com's place at t = 0 if it had fallen freely to each state, m, (n, 3).
 
-    It is r − v t + ½ g t², with position r and velocity v of the com.
+    It is r − v t + ½ g t², with position r and velocity v of the com; 0 along held axes.
     """
     t = motion.t[:, None]
     fallen = t**2 / 2 * scene.scenario.gravity_world

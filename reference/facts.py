@@ -107,7 +107,10 @@ def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:
 
 
 def _of_nutation(top: HeavySymmetricTop) -> Iterator[Fact]:
-    """Yield facts of a top's nutation, which hold if p_α, p_γ and E' are conserved."""
+    """Yield facts of a top's nutation.
+
+    They hold if L along the vertical, L along the top's axis, and the energy are conserved.
+    """
     low, high = (math.degrees(beta) for beta in lagrangian.nutation_bounds(top))
     bottom = math.degrees(lagrangian.steady_angle(top))
     small = lagrangian.small_nutation_frequency(top)

@@ -118,7 +118,12 @@ def as_kernels_take(numbers: FloatArray) -> FloatArray:
 
 
 def _survive_the_disk(cache: Any) -> None:
-    """Make numba compile again where a full disk or a truncated file would raise an error."""
+    """Make numba compile again where a full disk or a truncated file would raise an error.
+
+    Parameters
+    ----------
+    cache : numba's cache of one function's machine code
+    """
     load, save = cache.load_overload, cache.save_overload
 
     def load_overload(signature: Any, context: Any) -> Any:

@@ -94,7 +94,7 @@ def _upright(up: Vector) -> Quaternion:
 
 
 def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
-    """Return the attitude of the top's frame in the upright frame at t = 0, normalised."""
+    """Return A and B of the top's frame in the upright frame at t = 0, with |A|² + |B|² = 1."""
     q = product(product(conjugate(frames.q_left), problem.q_world_axes), conjugate(frames.q_right))
     length = mp.sqrt(mp.fsum(c * c for c in q))
     w, x, y, z = (c / length for c in q)
@@ -142,6 +142,7 @@ def _swinging(
 
     Parameters
     ----------
+    frames : the rotations that relate the frames of A and B to the world and to principal axes
     start : the attitude at t = 0
     omega : ω along the axes of the top's frame at t = 0, rad/s
     constants_of_motion : the constants that follow from this start

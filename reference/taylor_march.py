@@ -64,9 +64,10 @@ def row_size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
 def step_size(coefficients: FloatArray, order: int) -> float:
     """Return the step, s, at which the last term of the series is e⁻²ᴺ of the state.
 
-    It is computed from the last two of N orders, as in Jorba & Zou 2005, section 3. The size of the
-    state is 1 for q, and for ω the larger of ‖ω‖ and its change in the step, so that a body may
-    start from rest. The step is inf for a body that stays at rest, and 0 where numbers overflowed.
+    It is computed from the last two of N = `order` orders (Jorba & Zou 2005, section 3). The size
+    of the state is 1 for q, and for ω the larger of ‖ω‖ and its change in the step, so that a body
+    may start from rest. The step is inf for a body that stays at rest, and 0 where numbers
+    overflowed.
     """
     speed = row_size(coefficients, 0, OMEGA, OMEGA + 3)
     gain = row_size(coefficients, 1, OMEGA, OMEGA + 3)

@@ -101,7 +101,8 @@ def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
 def _series(kind: int, a: FloatArray, s: float, c: float, s2: float, c2: float) -> float:
     """Return the sum of a series of harmonics by Clenshaw's recurrence (DLMF 3.11.ii).
 
-    s, c and s2, c2 are the sine and cosine of x and of 2x.
+    `kind` and `a` are the kind of the harmonics and their coefficients; s, c and s2, c2 are sine
+    and cosine of x and of 2x.
     """
     b0 = b1 = 0.0
     for k in range(a.size - 1, -1, -1):

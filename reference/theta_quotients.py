@@ -113,7 +113,7 @@ class Quotient(NamedTuple):
 
 
 class InitialValue(NamedTuple):
-    """The value of a function of time at t = 0, and its derivative, 1/s."""
+    """The value of a function of time at t = 0, and its derivative by time, in its unit per s."""
 
     value: mpc
     slope: mpc

@@ -87,7 +87,11 @@ def gyroscopic_rate(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    """Yield distance, angular momentum and kinetic energy of each rotor."""
+    """Yield each rotor's distance from the body's origin, and bounds on its momentum and energy.
+
+    With C its moment about its axle and s its spin, the bounds are C (|s| + ‖ω‖), kg m²/s, and
+    C (|s| + ‖ω‖)², J, both at t = 0.
+    """
     speed = length(extent.scenario.start.omega_body_exact)
     for k, rotor in enumerate(extent.scenario.rotors.each):
         where = ("rotors", k)
@@ -98,7 +102,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield the gyroscopic rate of the rotors, rad/s."""
+    """Yield the rate at which the rotors' angular momentum turns ω, `gyroscopic_rate`, rad/s."""
     rate = mpf(gyroscopic_rate(extent.scenario))
     yield ("rotors",), "the rotors' momentum over the body's moment", rate
 
