@@ -141,7 +141,10 @@ class Law:
 
 
 def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return T + V less the work of the motors that keep the spins of driven rotors, J, (n,)."""
+    """Return kinetic plus potential energy less the work of rotors' motors, J, (n,).
+
+    The motors keep the spins of driven rotors constant.
+    """
     total = energy_of(scene.scenario, motion)
     for work in filter(None, (effect.work for effect in scene.scenario.acting)):
         total = total - work(scene.scenario, motion)
@@ -149,7 +152,10 @@ def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return L less the impulse τ t of a torque fixed in the world, world axes, kg m²/s, (n, 3)."""
+    """Return the angular momentum L less the impulse τ t, world axes, kg m²/s, (n, 3).
+
+    τ is the torque that is fixed in the world.
+    """
     impulse = motion.t[:, None] * scene.scenario.pushed["torque_world"]
     return np.asarray(angular_momentum_world(scene.scenario, motion) - impulse)
 
@@ -204,7 +210,10 @@ def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return the place of the point that is held, m, (n, 3); 0 along axes that are not held."""
+    """Return the place of the body's point that its constraint holds, m, (n, 3).
+
+    It is 0 along world axes along which the point is not held.
+    """
     constraint = scene.scenario.constraint
     point_world = motion.com_world - motion.R_world_body.apply(np.array(constraint.lever))
     return point_world * constraint.is_held

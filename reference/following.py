@@ -100,6 +100,7 @@ def follow(
     equations : one set of equations
     states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
     spans : s, (S, L)
+    integrator : the method of integration
     timestep : s, of which each span is a multiple; 0 with `EXACT` and `APPROXIMATE`, which choose
         their own
     fastest : largest ‖ω‖ that is followed, rad/s
@@ -131,6 +132,7 @@ def follow_each(
     equations : E sets of equations
     states : q, scalar first, body to world, and ω, rad/s, body axes, (E, S, 7)
     spans : s, (E, S, L)
+    integrator : the method of integration
     timesteps : s, (E,); each span is a multiple of its timestep; None with `EXACT` and
         `APPROXIMATE`, which choose their own
     fastest : largest ‖ω‖ that is followed, rad/s, because computing time is proportional to ‖ω‖

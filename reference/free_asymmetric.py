@@ -242,7 +242,13 @@ def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
 
 
 def _angular_velocity(body: JacobiMotion, functions: Jacobi) -> tuple[Quotient, Quotient]:
-    """Return W = ω2 + iω1 and ω3 as quotients of theta functions."""
+    """Return W = ω2 + iω1 and ω3 as quotients of theta functions.
+
+    Parameters
+    ----------
+    body : the constants of ω(t)
+    functions : the Jacobi functions of the body's lattice
+    """
     a1, a2, a3 = body.amplitudes
     W = over_theta4(scaled(functions.sn, a2), scaled(functions.cn, a1), SIGN_CHANGE)
     return W, over_theta4(scaled(functions.dn, a3), NOTHING, mpf(0))

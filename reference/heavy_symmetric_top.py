@@ -175,7 +175,7 @@ def nutation_period(top: HeavySymmetricTop) -> float:
 
 @lru_cache(maxsize=RECENT_TOPS)
 def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
-    """Return α̇ averaged over a nutation, rad/s.
+    """Return the rate of precession α̇ averaged over a nutation, rad/s.
 
     It is None if the axis reaches the vertical, or if the nutation never ends.
 
@@ -227,7 +227,7 @@ def sleeping_threshold(top: HeavySymmetricTop) -> float:
 
 
 def steady_angle(top: HeavySymmetricTop) -> float:
-    """Return the angle β at the minimum of V_eff, rad.
+    """Return the angle β at the minimum of the effective potential, rad.
 
     A top with the same p_α and p_γ would precess steadily at this angle. u = cos β solves
     (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)²; the left side less the right has opposite signs at
@@ -271,7 +271,7 @@ def _over_a_nutation(top: HeavySymmetricTop, rate: Callable[[mpf], mpf]) -> mpf:
 
 
 def _bottom(top: HeavySymmetricTop) -> mpf:
-    """Return cos β at the minimum of V_eff between the turning points, by bisection."""
+    """Return cos β at the effective potential's minimum, found between the turning points."""
     u1, u2, _ = top.roots
 
     def slope(u: mpf) -> mpf:

@@ -178,7 +178,8 @@ def _of_world(e: FloatArray, R: Matrix, v: Vector) -> Vector:
 def _resistance(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
     """Return the torque of damping, friction and turned drag against ω, N m, body axes.
 
-    Of the numbers in `slowing`, the coefficient c is included, and a and b are not.
+    Of the numbers in `slowing`, the coefficient c is included, and a and b are not. `e` has the
+    numbers of the equations, and R is the attitude, body to world.
     """
     c, f = e[SLOWING], e[FRICTION]
     speed = math.sqrt(dot(omega, omega))
@@ -202,7 +203,8 @@ def _unit(axis: int) -> Vector:
 def _of_attitude(e: FloatArray, R: Matrix) -> Vector:
     """Return the torques that depend on the attitude, without that of gravity, N m, body axes.
 
-    They are those of `attitude_torque`, `spring` and `gravity_gradient`.
+    They are those of `attitude_torque`, `spring` and `gravity_gradient`. `e` has the numbers of the
+    equations, and R is the attitude, body to world.
     """
     torque, P, S = (0.0, 0.0, 0.0), matrix(e, ATTITUDE_TORQUE), matrix(e, GRAVITY_GRADIENT)
     for i in range(3):
@@ -230,7 +232,10 @@ def _turned_from(spring: Matrix, R: Matrix) -> Vector:
 
 @called
 def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
-    """Return the sum I ω' of all terms of the equations, N m, body axes, with −ω × (G ω + h)."""
+    """Return I ω', the sum of all torques and of −ω × (G ω + h), N m, body axes.
+
+    `e` has the numbers of the equations, and R is the attitude, body to world.
+    """
     kept = vector(e, KEPT)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), kept, 1.0)
     torque = plus(vector(e, TORQUE), _cross(omega, turned), -1.0)
@@ -314,8 +319,8 @@ def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -> Vector:
     """Return ω', rad/s², body axes, of an engine that integrates L and turns the tensor wrongly.
 
-    It computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. Its L, which only
-    torques change, is therefore Rᵀ I R ω.
+    The engine computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. Its L,
+    which only torques change, is therefore Rᵀ I R ω. `torque` is what `_torque` returns.
     """
     inverse = matrix(e, INVERSE)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), vector(e, KEPT), 1.0)

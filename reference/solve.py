@@ -159,9 +159,9 @@ def _increasing(times: FloatArray) -> FloatArray:
 def _part(together: Solution, times: FloatArray) -> Solution:
     """Return the part of a solution at `times`, up to the solution's horizon.
 
-    All of `times` must be among those the solution was computed at. If the part ends before the
-    last of these times, its horizon is the time of lift-off, or else the first of these times from
-    the solution's horizon on.
+    All of `times` must be among those that the solution `together` was computed at. If the part
+    ends before the last of these times, its horizon is the time of lift-off, or else the first of
+    these times from the solution's horizon on.
     """
     count = (
         len(times) if together.horizon is None else int(np.searchsorted(times, together.horizon))

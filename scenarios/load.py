@@ -154,6 +154,7 @@ def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -
 
     Parameters
     ----------
+    name : name of the scene
     text : the text that the tables were parsed from
     path : the file, which paths in the tables are relative to; None without a file
 
