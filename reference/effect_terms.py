@@ -180,7 +180,10 @@ TORQUE_OF_WORLD = EffectTerms(
 
 
 def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
-    """Return the attributes of `Problem` that describe a scene's table; empty without a table."""
+    """Return the attributes of `Problem` that describe a scene's table; empty without a table.
+
+    `q` is the quaternion from body axes to principal axes.
+    """
     table = scenario.effects.table
     if table is None:
         return {}

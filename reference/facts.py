@@ -63,7 +63,7 @@ def facts(scenario: Scenario) -> list[Fact]:
 
 
 def _start(scenario: Scenario, problem: Problem) -> Trajectory:
-    """Return the exact motion at t = 0 alone."""
+    """Return a trajectory of one sample, the exact state at t = 0."""
     states = np.array([problem.q_world_axes], float), np.array([problem.omega_axes], float)
     return motion(scenario, problem, np.zeros(1), states)
 

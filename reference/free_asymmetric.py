@@ -104,7 +104,7 @@ def free_asymmetric(problem: Problem) -> ClosedForm:
 def _triad(problem: Problem) -> tuple[tuple[Vector, Vector, Vector], mpf]:
     """Return the axes e1, e2, e3 that the module defines, in principal components, and |D|.
 
-    D = L² − 2 E I2 decides which principal axis is e3.
+    D = L² − 2 E I2, with I2 the middle moment, decides which principal axis is e3.
     """
     moments, omega = problem.moments, problem.omega_axes
     low, middle, high = sorted(range(3), key=lambda k: moments[k])
@@ -124,9 +124,9 @@ def _directed(axis: int, forward: bool) -> Vector:
 
 
 def _jacobi_motion(moments: Vector, omega: Vector, D: mpf) -> JacobiMotion:
-    """Return the constants of ω(t), given moments and ω at t = 0, both along e1, e2, e3, and |D|.
+    """Return the constants of ω(t), given moments and ω at t = 0 along e1, e2, e3.
 
-    D is L² − 2 E I2, kg² m⁴/s²; e1, e2 and e3 are the axes that `_triad` returns.
+    The parameter D is |L² − 2 E I2|, kg² m⁴/s²; e1, e2 and e3 are the axes that `_triad` returns.
     The formulas are those of Landau & Lifshitz §37, eq. 37.8–10. |L² − 2 E I_k| for k = 1, 3 is
     computed as a sum of squares, which loses no digits.
     """

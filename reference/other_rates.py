@@ -267,14 +267,14 @@ def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
     """Return the angular velocity, rad/s, body axes, that given rates of Euler angles amount to.
 
     Equations that take the components of ω for such rates turn the attitude so. The result is nan
-    where the first and third axis coincide.
+    in gimbal lock.
 
     Parameters
     ----------
-    e : numbers of the equations; `KINEMATICS` is the convention of the angles
+    e : numbers of the equations; the number at `KINEMATICS` is the angles' convention
     R : the attitude, body to world
-    rates : rates of the angles, rad/s: first, second and third angle if the first and third axis
-        are the same, else those about x, y and z
+    rates : rates of the angles, rad/s: those of the first, second and third angle if the convention
+        repeats an axis, as ZYZ does, else those of the angles about x, y and z
     """
     which = int(e[KINEMATICS]) - FIRST_ANGLES
     i, j, k = which // 9, which // 3 % 3, which % 3

@@ -180,7 +180,7 @@ class Scenario:
         return self.rotors.kept_body(kept)
 
     def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
-        """Return the spins, rad/s, (n, rotors), of rotors that keep angular momenta `kept`.
+        """Return the rotors' spins, rad/s, (n, rotors), given their constant angular momenta.
 
         Parameters
         ----------
@@ -284,9 +284,9 @@ def build(document: Document, name: str, text: str, path: Path | None = None) ->
 def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) -> Scenario:
     """Return a scene with some tables of its file, such as `window`, replaced.
 
-    The new tables are given in parsed form, by their names; None removes a table. Its text is
-    written anew. Published values and expectations are left out, as they hold only for the
-    unchanged scene. Checks that concern several tables, or sizes, are not repeated.
+    The new tables are given in parsed form, by their names; `rotors=None` removes the rotors. The
+    text of the scene is written anew. Published values and expectations are left out, as they hold
+    only for the unchanged scene. Checks that concern several tables, or sizes, are not repeated.
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)

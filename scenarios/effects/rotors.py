@@ -75,7 +75,8 @@ def rotors_of(tables: Iterable[RotorTable] | None) -> Rotors:
 def gyroscopic_rate(scenario: Scene) -> float:
     """Return ‖h‖/I, the rate at which h × ω turns ω, rad/s.
 
-    h is the angular momentum that the rotors keep at t = 0, and I the least moment across h.
+    h is the sum of the rotors' constant angular momenta, and I the least moment across h. The
+    rate is 0 if h is zero.
     """
     h = scenario.kept_body(scenario.kept_at_start)
     size = float(np.linalg.norm(h))
