@@ -75,7 +75,7 @@ OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
 def kernel(
     function: Callable[P, T], *, is_inlined: bool = True, allocates: bool = False
 ) -> Callable[P, T]:
-    """Return a function that numba compiles at its first call; its machine code is kept in `FOLDER`.
+    """Return a function that numba compiles at its first call, with machine code kept in `FOLDER`.
 
     Kernels pass arrays and pairs of floats to short operations: without inlining they take a
     quarter more time, and if numba counts references to the arrays, three times as long.
