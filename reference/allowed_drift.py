@@ -22,12 +22,14 @@ SUMMED = 8
 def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) -> dict[str, float]:
     """Return for each conservation law the largest drift that errors of the states explain.
 
-    The keys are the names of the laws, and drifts are relative to the scale of the law. Where that
-    scale is zero, only the rounding of the drift itself is allowed.
+    The keys are the names of the laws. Drifts are relative to `Law.scale`; if that scale is zero,
+    only the rounding of the drift itself is allowed.
 
     Parameters
     ----------
-    uncertainty : the largest errors of the motion's states
+    motion : the exact motion
+    uncertainty : the largest errors of its ω, relative, and of its attitude, rad; those of other
+        signals are not used
     """
     moved = list(moved_states(scenario, motion, uncertainty, PLACED))
     allowed = {}
@@ -41,5 +43,5 @@ def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) 
 
 
 def _largest(changes: FloatArray) -> float:
-    """Return the largest absolute value of n numbers, (n,), or length of n vectors, (n, 3)."""
+    """Return the largest size of n numbers, (n,), or the largest length of n vectors, (n, 3)."""
     return float(np.linalg.norm(changes.reshape(len(changes), -1), axis=1).max())

@@ -17,18 +17,21 @@ from ..scenarios.exact import Quaternion, Vector, dot
 
 
 class CayleyKlein(NamedTuple):
-    """The Cayley–Klein parameters A and B of an attitude."""
+    """The Cayley–Klein parameters A = q0 + i q3 and B = q2 − i q1 of an attitude.
+
+    q is the unit quaternion of the attitude, scalar first.
+    """
 
     A: mpc
     B: mpc
 
     @property
     def quaternion(self) -> Quaternion:
-        """The attitude, w x y z."""
+        """The attitude as a unit quaternion, w x y z."""
         return (self.A.real, -self.B.imag, self.B.real, self.A.imag)
 
     def rates(self, omega: Vector) -> tuple[mpc, mpc]:
-        """Return A' and B', 1/s, given the angular velocity, rad/s, along the body's axes."""
+        """Return the derivatives A' and B', 1/s, given ω, rad/s, along the body's axes."""
         W, spin = transverse(omega), mpc(0, omega[2])
         return (spin * self.A - W * self.B) / 2, (mp.conj(W) * self.A - spin * self.B) / 2
 

@@ -54,7 +54,7 @@ def compile_march() -> None:
 
 
 def compile_flow() -> None:
-    """Compile the kernels of closed forms, `flow`, `following` and `deviations`."""
+    """Compile the kernels of closed forms, and of the modules `flow`, `following`, `deviations`."""
     for scenario in _scenes():
         exact = ExactMotion(scenario).outline(scenario.times)
         flow(scenario, exact, np.zeros(len(exact.t)))
@@ -67,7 +67,8 @@ def compile_flow() -> None:
 def compile_kernels() -> None:
     """Call each kernel once, except those of sensitivities, so that numba compiles or loads it.
 
-    An empty file then marks the folder of machine code as complete.
+    An empty file, `COMPLETE`, then marks the folder of machine code as complete, if that folder
+    can be written.
     """
     compile_march()
     compile_flow()

@@ -66,7 +66,10 @@ class InvariantScales:
 
     @cached_property
     def energy(self) -> float:
-        """Energy, J: kinetic energy at t = 0 plus what gravity can add to it within the window."""
+        """An upper estimate of the kinetic energy, J.
+
+        It is the one at t = 0 plus what gravity can add to it within the window.
+        """
         numbers = zip(self.problem.moments, self.problem.omega_axes, strict=True)
         turning = float(sum(moment * w * w for moment, w in numbers)) / 2
         turning += self.scenario.kept_sizes[1]
@@ -138,7 +141,10 @@ class Law:
 
 
 def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return T + V less the work of the motors that keep the spins of driven rotors, J, (n,)."""
+    """Return kinetic plus potential energy less the work of rotors' motors, J, (n,).
+
+    The motors keep the spins of driven rotors constant.
+    """
     total = energy_of(scene.scenario, motion)
     for work in filter(None, (effect.work for effect in scene.scenario.acting)):
         total = total - work(scene.scenario, motion)
@@ -146,7 +152,10 @@ def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return L less the impulse τ t of a torque fixed in the world, world axes, kg m²/s, (n, 3)."""
+    """Return the angular momentum L less the impulse τ t, world axes, kg m²/s, (n, 3).
+
+    τ is the torque that is fixed in the world.
+    """
     impulse = motion.t[:, None] * scene.scenario.pushed["torque_world"]
     return np.asarray(angular_momentum_world(scene.scenario, motion) - impulse)
 
@@ -185,15 +194,15 @@ def _goryachev_chaplygin(scene: InvariantScales, motion: Trajectory) -> FloatArr
 
 
 def _momentum(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return the momentum less its gain by gravity, kg m/s, (n, 3); 0 along axes that are held."""
+    """Return m (v − g t), v the com's velocity, kg m/s, (n, 3); 0 along axes that are held."""
     gained = motion.t[:, None] * scene.scenario.gravity_world
     return scene.scenario.body.mass * (motion.velocity_world - gained) * scene.is_flying
 
 
 def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return where the parabola through each state was at t = 0, m, (n, 3); 0 along held axes.
+    """Return the com's place at t = 0 if it had fallen freely to each state, m, (n, 3).
 
-    It is r − v t + ½ g t², with position r and velocity v of the com.
+    It is r − v t + ½ g t², with position r and velocity v of the com; 0 along held axes.
     """
     t = motion.t[:, None]
     fallen = t**2 / 2 * scene.scenario.gravity_world
@@ -201,7 +210,10 @@ def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return the place of the point that is held, m, (n, 3); 0 along axes that are not held."""
+    """Return the place of the body's point that its constraint holds, m, (n, 3).
+
+    It is 0 along world axes along which the point is not held.
+    """
     constraint = scene.scenario.constraint
     point_world = motion.com_world - motion.R_world_body.apply(np.array(constraint.lever))
     return point_world * constraint.is_held

@@ -58,6 +58,8 @@ def times_within_reach(scenario: Scenario, exact: Trajectory) -> FloatArray:
 def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
     """Return the motion of a scene, integrated by DOP853 in body axes.
 
+    It is not detected that a body leaves its table: the table also pulls.
+
     Parameters
     ----------
     times : (n,) s, increasing, from 0 on
@@ -98,6 +100,7 @@ def cross_check(scenario: Scenario, times: FloatArray) -> CrossCheck:
 def _equations(scenario: Scenario) -> Callable[[float, FloatArray], list[float]]:
     """Return the function dy/dt of (t, y), y = (ω in body axes, q, r, v), all in SI units.
 
+    r and v are position and velocity of the com; with a pivot they stay as they are at t = 0.
     These are Euler's equations and q' = ½ q ω (Goldstein §5.5). They are written in plain floats,
     because numpy takes twenty times as long on arrays of three.
     """
@@ -184,7 +187,8 @@ def _longest_step(scenario: Scenario) -> float:
 def _sizes(scenario: Scenario) -> FloatArray:
     """Return typical sizes of the entries of the state (ω, q, r, v), SI, (13,).
 
-    The absolute error that is allowed in a step is in proportion to them.
+    r and v are position and velocity of the com. The absolute error that is allowed in a step is in
+    proportion to them.
     """
     duration = scenario.window.duration
     pull = np.linalg.norm(scenario.gravity_world)

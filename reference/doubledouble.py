@@ -30,7 +30,7 @@ _EXACT_BITS = 2200
 
 
 def _fma(_context: Any, x: Any, y: Any, z: Any) -> Any:
-    """Return signature and code generator of x y + z, rounded once.
+    """Return for numba the signature and code generator of x y + z, rounded once.
 
     This is fusedMultiplyAdd of IEEE 754-2008, section 5.4.1.
     """

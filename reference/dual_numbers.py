@@ -27,17 +27,23 @@ from .taylor_numbers import (
 
 
 class Dual(NamedTuple):
-    """A number, or a table of numbers, and its derivative by one parameter."""
+    """A number, or a table of numbers, and its derivative by one parameter.
+
+    Attributes
+    ----------
+    value : the number or table: doubles, or pairs of high and low parts
+    tangent : its derivative, of the same type
+    """
 
     value: Any
     tangent: Any
 
 
 def of_duals(in_double: Any) -> Callable[[Any], Any]:
-    """Return a decorator for the function that compiled code runs on duals for `in_double`.
+    """Return a decorator for the function on duals that stands in for `in_double`.
 
-    Compiled code calls `in_double` by name in any case. It runs the decorated function instead if
-    the first argument of that call is a dual.
+    Compiled code calls `in_double` by name in any case. If the first argument of that call is a
+    dual, the decorated function runs instead.
 
     Parameters
     ----------

@@ -35,9 +35,10 @@ from .taylor_coefficients import (
     UP_WORLD,
 )
 
-#: In this order: a lever times a vector fixed in the world; a torque fixed in the world; a torque
-#: fixed in the body, which is a constant; a torque proportional to ω; a force that keeps a point on
-#: a plane; the cross product of ω and an angular momentum fixed in the body.
+#: Forms of terms of I ω', in this order: the cross product of a lever and a vector fixed in the
+#: world; a torque fixed in the world; a torque fixed in the body, which is a constant; a torque
+#: proportional to ω; a force that keeps a point on a plane; the cross product of an angular
+#: momentum fixed in the body and ω.
 Form = Literal["lever", "world", "constant", "linear", "plane", "momentum"]
 
 
@@ -142,7 +143,7 @@ GRAVITY = EffectTerms(
 
 
 def _spin_down(scenario: Scenario, problem: Problem) -> Iterator[Fact]:  # noqa: ARG001
-    """Yield the spin-down time of a symmetric body under drag; nothing for any other body."""
+    """Yield the spin-down time, s, of a symmetric body under drag; nothing for any other body."""
     axis = symmetry_axis(problem)
     if problem.drag and axis is not None:
         time = float(moment_about(problem, axis) / problem.drag)
@@ -179,7 +180,10 @@ TORQUE_OF_WORLD = EffectTerms(
 
 
 def _posed_table(scenario: Scenario, q: Quaternion) -> dict[str, Vector | mpf]:
-    """Return the attributes of `Problem` that describe a scene's table; empty without a table."""
+    """Return the attributes of `Problem` that describe a scene's table; empty without a table.
+
+    `q` is the quaternion from body axes to principal axes.
+    """
     table = scenario.effects.table
     if table is None:
         return {}
@@ -220,7 +224,10 @@ TABLE = EffectTerms(
 
 
 def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
-    """Yield the rotors' angular momentum and its gyroscopic rate; nothing without rotors."""
+    """Yield ‖h‖, kg m²/s, and the rate at which h × ω turns ω, rad/s; nothing without rotors.
+
+    h is the sum of the rotors' constant angular momenta.
+    """
     if problem.kept:
         kept, rate = float(norm(problem.kept_momentum)), gyroscopic_rate(scenario)
         yield Fact("rotors' momentum", kept, "kg m²/s", "‖h‖, what free and driven hinges keep")
@@ -228,7 +235,10 @@ def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
 
 
 def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
-    """Return how much the rotors' constant angular momenta change for 1 rad/s of each spin."""
+    """Return the changes of the rotors' constant angular momenta by 1 rad/s more of each spin.
+
+    The changes, kg m²/s, are zero for a rotor on a locked hinge.
+    """
     rotors = scenario.rotors.each
     return {
         "spins": [
@@ -239,7 +249,12 @@ def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
 
 
 def _kept_of_omega(scenario: Scenario, omega_body: Vector) -> Numbers:
-    """Return how a change of ω, rad/s, body axes, changes the rotors' constant angular momenta."""
+    """Return the changes of the rotors' constant angular momenta, kg m²/s, by a change of ω.
+
+    Parameters
+    ----------
+    omega_body : the change of ω at t = 0, rad/s, body axes
+    """
     still = [replace(rotor, spin=mpf(0)) for rotor in scenario.rotors.each]
     return {"kept": [kept_exact(rotor, omega_body) for rotor in still]}
 

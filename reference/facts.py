@@ -63,7 +63,7 @@ def facts(scenario: Scenario) -> list[Fact]:
 
 
 def _start(scenario: Scenario, problem: Problem) -> Trajectory:
-    """Return the exact motion at t = 0 alone."""
+    """Return a trajectory of one sample, the exact state at t = 0."""
     states = np.array([problem.q_world_axes], float), np.array([problem.omega_axes], float)
     return motion(scenario, problem, np.zeros(1), states)
 
@@ -107,7 +107,10 @@ def _of_a_heavy_top(top: HeavySymmetricTop) -> Iterator[Fact]:
 
 
 def _of_nutation(top: HeavySymmetricTop) -> Iterator[Fact]:
-    """Yield facts of a top's nutation, which hold if p_α, p_γ and E' are conserved."""
+    """Yield facts of a top's nutation.
+
+    They hold if L along the vertical, L along the top's axis, and the energy are conserved.
+    """
     low, high = (math.degrees(beta) for beta in lagrangian.nutation_bounds(top))
     bottom = math.degrees(lagrangian.steady_angle(top))
     small = lagrangian.small_nutation_frequency(top)

@@ -31,7 +31,8 @@ MAX_STEPS = 100_000
 def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajectory:
     """Return the states to which the exact motion takes given states, each after its own time span.
 
-    If the body has a pivot, com and velocity are not read: attitude and ω determine them.
+    If the body has a pivot, com and velocity are not read: attitude and ω determine them. It is not
+    detected that a body leaves its table: the table also pulls.
 
     Parameters
     ----------
@@ -78,7 +79,7 @@ def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
 
 @kernel
 def _advance(series: FloatArray, order: int, h: float) -> None:
-    """Replace order 0 of a series by the sum of its orders 0 to `order` at time h, by Horner."""
+    """Replace order 0 of a series by the sum of orders 0 to `order` at time h, s, by Horner."""
     for i in range(STATE):
         total = 0.0
         for n in range(order, -1, -1):

@@ -100,6 +100,7 @@ def follow(
     equations : one set of equations
     states : q, scalar first, body to world, and ω, rad/s, body axes, (S, 7)
     spans : s, (S, L)
+    integrator : the method of integration
     timestep : s, of which each span is a multiple; 0 with `EXACT` and `APPROXIMATE`, which choose
         their own
     fastest : largest ‖ω‖ that is followed, rad/s
@@ -131,6 +132,7 @@ def follow_each(
     equations : E sets of equations
     states : q, scalar first, body to world, and ω, rad/s, body axes, (E, S, 7)
     spans : s, (E, S, L)
+    integrator : the method of integration
     timesteps : s, (E,); each span is a multiple of its timestep; None with `EXACT` and
         `APPROXIMATE`, which choose their own
     fastest : largest ‖ω‖ that is followed, rad/s, because computing time is proportional to ‖ω‖
@@ -139,6 +141,11 @@ def follow_each(
     -------
     (E, S, L, 7); nan for a given state from the span on in which a number leaves the range of
     doubles, or ‖ω‖ exceeds `fastest`
+
+    Raises
+    ------
+    ValueError
+        If `spans` is for another number of sets than `equations`.
     """
     numbers = all_numbers(equations)
     if len(numbers) != len(spans):
@@ -151,7 +158,7 @@ def follow_each(
 
 
 def rates(equations: OtherEquations, states: FloatArray, kept: FloatArray) -> FloatArray:
-    """Return the rates of change of S states by some equations.
+    """Return the rates of change of S states by one set of equations of motion.
 
     Parameters
     ----------
@@ -196,7 +203,10 @@ def _product(q: FloatArray, h: float, v: Vector) -> tuple[float, float, float, f
 
 @kernel
 def _size(e: FloatArray, y: FloatArray) -> float:
-    """Return the length of I ω at the state y, kg m²/s."""
+    """Return the length of I ω, kg m²/s, at the state y: q, scalar first, and ω, rad/s, (7,).
+
+    `e` has the equations' numbers, from `all_numbers`.
+    """
     L = by_tensor(e, INERTIA, rotation_of(y), vector(y, 4))
     return math.sqrt(dot(L, L))
 
@@ -226,10 +236,11 @@ def _step(
     k: FloatArray,
     at: FloatArray,
 ) -> None:
-    """Replace the state y by that after a step of length h.
+    """Replace the state y, q and ω, (7,), by the state after a step of h seconds.
 
-    `e` has the equations' numbers, from `all_numbers`; those from `a` to `keeps_length` are the
-    attributes of an `Integrator`. k and at are workspace for the stages and for a state.
+    `e` has the equations' numbers, from `all_numbers`. The parameters from `a` to `keeps_length`
+    are the attributes of an `Integrator`. k, (stages, STAGE), and at, (7,), are workspace for the
+    stages and for a state.
     """
     for n in range(b.size):
         for i in range(7):
@@ -279,7 +290,10 @@ def _step(
 
 @kernel
 def _kept_speed(y: FloatArray, fastest: float) -> float:
-    """Return ‖ω‖ of the state y, rad/s; if it is inf or above `fastest`, make it and y nan."""
+    """Return ‖ω‖ of the state y, rad/s.
+
+    If it is inf or above `fastest`, y is set to nan and nan is returned.
+    """
     omega = vector(y, 4)
     speed = math.sqrt(dot(omega, omega))
     if speed > fastest or speed == math.inf:

@@ -104,7 +104,7 @@ def free_asymmetric(problem: Problem) -> ClosedForm:
 def _triad(problem: Problem) -> tuple[tuple[Vector, Vector, Vector], mpf]:
     """Return the axes e1, e2, e3 that the module defines, in principal components, and |D|.
 
-    D = L² − 2 E I2 decides which principal axis is e3.
+    D = L² − 2 E I2, with I2 the middle moment, decides which principal axis is e3.
     """
     moments, omega = problem.moments, problem.omega_axes
     low, middle, high = sorted(range(3), key=lambda k: moments[k])
@@ -124,8 +124,9 @@ def _directed(axis: int, forward: bool) -> Vector:
 
 
 def _jacobi_motion(moments: Vector, omega: Vector, D: mpf) -> JacobiMotion:
-    """Return the constants of ω(t), given moments, ω at t = 0 and |D|, along e1, e2, e3.
+    """Return the constants of ω(t), given moments and ω at t = 0 along e1, e2, e3.
 
+    The parameter D is |L² − 2 E I2|, kg² m⁴/s²; e1, e2 and e3 are the axes that `_triad` returns.
     The formulas are those of Landau & Lifshitz §37, eq. 37.8–10. |L² − 2 E I_k| for k = 1, 3 is
     computed as a sum of squares, which loses no digits.
     """
@@ -154,12 +155,13 @@ def _jacobi_motion(moments: Vector, omega: Vector, D: mpf) -> JacobiMotion:
 def _closed_form(
     problem: Problem, triad: tuple[Vector, Vector, Vector], omega: Vector, body: JacobiMotion
 ) -> ClosedForm:
-    """Return the closed form, given ω at t = 0 and the constants of ω(t), along e1, e2, e3.
+    """Return the closed form of a body's motion.
 
     Parameters
     ----------
-    triad : e1, e2, e3 in principal components
-    omega : rad/s
+    triad : the axes e1, e2, e3 in principal components
+    omega : ω along these axes at t = 0, rad/s
+    body : the constants of ω(t) along these axes
     """
     I1, I2, I3 = body.moments
     start = with_L_upright((I1 * omega[0], I2 * omega[1], I3 * omega[2]))
@@ -183,10 +185,12 @@ def _attitude(
 ) -> tuple[Quotient, Quotient, mpf]:
     """Return the Cayley–Klein parameters A and B as theta quotients, and a residual.
 
-    The residual is the sum of the relative residuals of both quotients.
+    The residual is the sum of the relative residuals that `fitted` returns for the two quotients.
 
     Parameters
     ----------
+    body : the constants of ω(t)
+    clock : the argument x of the theta functions as a function of t
     functions : the Jacobi functions of the lattice, by the clock's argument x
     start : A and B at t = 0, in a frame with z along L
     omega : ω along e1, e2, e3 at t = 0, rad/s
@@ -238,7 +242,13 @@ def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
 
 
 def _angular_velocity(body: JacobiMotion, functions: Jacobi) -> tuple[Quotient, Quotient]:
-    """Return W = ω2 + iω1 and ω3 as quotients of theta functions."""
+    """Return W = ω2 + iω1 and ω3 as quotients of theta functions.
+
+    Parameters
+    ----------
+    body : the constants of ω(t)
+    functions : the Jacobi functions of the body's lattice
+    """
     a1, a2, a3 = body.amplitudes
     W = over_theta4(scaled(functions.sn, a2), scaled(functions.cn, a1), SIGN_CHANGE)
     return W, over_theta4(scaled(functions.dn, a3), NOTHING, mpf(0))

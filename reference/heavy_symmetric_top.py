@@ -128,7 +128,7 @@ def heavy_symmetric_top(problem: Problem) -> HeavySymmetricTop | None:
 
 
 def effective_potential(top: HeavySymmetricTop, beta: FloatArray) -> FloatArray:
-    """Return V_eff, J, at angles β in rad, in [0, π].
+    """Return the effective potential V_eff of the nutation, J, at angles β, rad, in [0, π].
 
     (p_α − p_γ cos β)/sin β is summed as ½ (p_α − p_γ) cot β/2 + ½ (p_α + p_γ) tan β/2: no digits
     cancel in either term, and a term whose factor p_α ∓ p_γ is zero has no pole. Otherwise V_eff is
@@ -159,11 +159,10 @@ def nutation_bounds(top: HeavySymmetricTop) -> tuple[float, float]:
 
 @lru_cache(maxsize=RECENT_TOPS)
 def nutation_period(top: HeavySymmetricTop) -> float:
-    """Return the period of cos β, s: on a pivot 2K/p with p² = κ(u3 − u1)/2 I1.
+    """Return the period of cos β, s: on a pivot 2 √(2 I1/κ) R_F(0, u3 − u2, u3 − u1).
 
-    It is computed by Carlson's R_F, which is homogeneous: 2 √(2 I1/κ) R_F(0, u3 − u2, u3 − u1)
-    (DLMF 19.25.1). On a separatrix it is inf; for steady precession it is the period of small
-    nutations about the steady motion.
+    u1, u2, u3 are `top.roots`, and R_F is Carlson's integral (DLMF 19.25.1). On a separatrix it is
+    inf; for steady precession it is the period of small nutations about the steady motion.
     """
     with mp.workdps(ROOT_DIGITS):
         u1, u2, u3 = top.roots
@@ -176,12 +175,13 @@ def nutation_period(top: HeavySymmetricTop) -> float:
 
 @lru_cache(maxsize=RECENT_TOPS)
 def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
-    """Return α̇ averaged over a nutation, rad/s.
+    """Return the rate of precession α̇ averaged over a nutation, rad/s.
 
     It is None if the axis reaches the vertical, or if the nutation never ends.
 
-    α̇ = [(p_α − p_γ)/(1 − u) + (p_α + p_γ)/(1 + u)]/2 I1; on a pivot u = u1 + (u2 − u1) sn², and
-    each term's mean is Π(n|m)/K(m) times its value at u1 (DLMF 19.2.7).
+    With u = cos β, α̇ = [(p_α − p_γ)/(1 − u) + (p_α + p_γ)/(1 + u)]/2 I1. On a pivot u = u1 + (u2 −
+    u1) sn², with u1 and u2 the turning points, and each term's mean is its value at u1 times
+    Π(n|m)/K(m), a ratio of complete elliptic integrals (DLMF 19.2.7).
     """
     period = nutation_period(top)
     if top.reaches_the_vertical or period == float("inf"):
@@ -227,9 +227,9 @@ def sleeping_threshold(top: HeavySymmetricTop) -> float:
 
 
 def steady_angle(top: HeavySymmetricTop) -> float:
-    """Return the angle β at the minimum of V_eff, rad.
+    """Return the angle β at the minimum of the effective potential, rad.
 
-    A top with the same p_α and p_γ would precess steadily at this angle. It solves
+    A top with the same p_α and p_γ would precess steadily at this angle. u = cos β solves
     (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)²; the left side less the right has opposite signs at
     the two turning points.
     """
@@ -256,8 +256,8 @@ def small_nutation_frequency(top: HeavySymmetricTop) -> float:
 def _over_a_nutation(top: HeavySymmetricTop, rate: Callable[[mpf], mpf]) -> mpf:
     """Return ∫ rate(u) dt over one period of the nutation of a top on a table.
 
-    With u = u1 + (u2 − u1) sin²φ the integrand is smooth, dt = √(2 I1/κ) √((1 + ε (1 − u²))/(u3 −
-    u)) dφ, and a nutation is φ from 0 to π.
+    u is cos β, u1, u2, u3 are `top.roots`, and ε is `top.heave`. With u = u1 + (u2 − u1) sin²φ the
+    integrand is smooth, dt = √(2 I1/κ) √((1 + ε (1 − u²))/(u3 − u)) dφ, and φ goes from 0 to π.
     """
     u1, u2, u3 = top.roots
 
@@ -271,7 +271,7 @@ def _over_a_nutation(top: HeavySymmetricTop, rate: Callable[[mpf], mpf]) -> mpf:
 
 
 def _bottom(top: HeavySymmetricTop) -> mpf:
-    """Return cos β at the minimum of V_eff between the turning points, by bisection."""
+    """Return cos β at the effective potential's minimum, found between the turning points."""
     u1, u2, _ = top.roots
 
     def slope(u: mpf) -> mpf:

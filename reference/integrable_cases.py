@@ -106,7 +106,8 @@ def _along(problem: Problem, frame: Frame, motion: Trajectory) -> tuple[FloatArr
 def _equatorial_frame(problem: Problem, ratio: int) -> Frame | None:
     """Return e1, e2, e3 of a heavy top with I1 = I2 = ratio · I3, in principal components.
 
-    It is None unless the com is in the plane of e1 and e2, and gravity alone turns the body.
+    e1 points to the com. The result is None if the moments are others, if the com is not in the
+    plane of e1 and e2, or if anything but gravity turns the body, or nothing does.
     """
     with mp.workdps(DIGITS):
         length = norm(problem.lever_axes)

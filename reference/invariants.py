@@ -17,7 +17,13 @@ from .rotational_problem import rotational_problem
 
 @dataclass(frozen=True, eq=False)
 class Invariant:
-    """A conservation law together with a scene for which it holds."""
+    """A conservation law together with a scene for which it holds.
+
+    Attributes
+    ----------
+    law : the law
+    scene : the scene, with the sizes that the law's scale is computed from
+    """
 
     law: Law
     scene: InvariantScales
@@ -34,8 +40,9 @@ class Invariant:
     def drift_series(self, motion: Trajectory) -> FloatArray:
         """Return |Q(t) − Q(0)| relative to the law's scale at each sample, (n,).
 
-        If the scale is zero, the drift is 0 where Q has not changed and inf elsewhere. It is also
-        inf where a run has blown up so far that a term or its square overflows.
+        Q is the conserved quantity, a number or a vector. If the scale is zero, the drift is 0
+        where Q has not changed and inf elsewhere. It is also inf where a run has blown up so far
+        that a term or its square overflows.
         """
         with np.errstate(over="ignore", invalid="ignore"):
             values = self.values(motion).reshape(len(motion.t), -1)

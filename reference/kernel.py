@@ -75,7 +75,7 @@ OPTIONS: Any = {"error_model": "numpy", "_nrt": False}
 def kernel(
     function: Callable[P, T], *, is_inlined: bool = True, allocates: bool = False
 ) -> Callable[P, T]:
-    """Return a function that numba compiles at its first call, and inlines into compiled callers.
+    """Return a function that numba compiles at its first call, with machine code kept in `FOLDER`.
 
     Kernels pass arrays and pairs of floats to short operations: without inlining they take a
     quarter more time, and if numba counts references to the arrays, three times as long.
@@ -118,7 +118,12 @@ def as_kernels_take(numbers: FloatArray) -> FloatArray:
 
 
 def _survive_the_disk(cache: Any) -> None:
-    """Make numba compile again where a full disk or a truncated file would raise an error."""
+    """Make numba compile again where a full disk or a truncated file would raise an error.
+
+    Parameters
+    ----------
+    cache : numba's cache of one function's machine code
+    """
     load, save = cache.load_overload, cache.save_overload
 
     def load_overload(signature: Any, context: Any) -> Any:

@@ -94,7 +94,7 @@ def _upright(up: Vector) -> Quaternion:
 
 
 def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
-    """Return the attitude of the top's frame in the upright frame at t = 0, normalised."""
+    """Return A and B of the top's frame in the upright frame at t = 0, with |A|² + |B|² = 1."""
     q = product(product(conjugate(frames.q_left), problem.q_world_axes), conjugate(frames.q_right))
     length = mp.sqrt(mp.fsum(c * c for c in q))
     w, x, y, z = (c / length for c in q)
@@ -118,7 +118,7 @@ def _rests_at_a_pole(start: CayleyKlein, omega: Vector, rate: mpf) -> bool:
 def _steady(
     frames: Frames, start: CayleyKlein, omega: Vector, constants_of_motion: Constants
 ) -> ClosedForm:
-    """Return steady precession in closed form: |A|, |B| and the rates of their phases are constant.
+    """Return steady precession in closed form: |A|, |B| and the rates of both phases are constant.
 
     The parameters are as in `_swinging`.
     """
@@ -142,6 +142,7 @@ def _swinging(
 
     Parameters
     ----------
+    frames : the rotations that relate the frames of A and B to the world and to principal axes
     start : the attitude at t = 0
     omega : ω along the axes of the top's frame at t = 0, rad/s
     constants_of_motion : the constants that follow from this start
@@ -186,13 +187,13 @@ def _starts(
 
 
 def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
-    """Return the numerators of A, B and W: θ1 or θ2, shifted along the imaginary axis by y.
+    """Return the numerators of A, B and W: θ1 or θ2, with arguments shifted by an imaginary iy.
 
     u = cos β moves between u1 and u2. A vanishes where u is −1: at the argument iy with
     sc²(y|m1) = (1 + u1)/(u2 − u1). B vanishes where u is 1, and W = ω2 + iω1 where u is a constant
     U: both at K + iy with nd²(y|m1) = (u − u1)/(u2 − u1). The functions sc and nd give the sine and
     cosine of the amplitude of y. On the separatrix, m1 = 0, the series of θ2 is a constant,
-    whatever y is.
+    whatever y is. The parameters are as in `_swinging`.
     """
     lattice, below, above = swing.lattice, swing.below, swing.above
     y_A = first_kind(above[0] / above[1], swing.u21 / above[1], lattice.m)
@@ -214,6 +215,7 @@ def _zero_beyond(to_u2: mpf, to_u3: mpf, swing: Nutation) -> mpf:
     Parameters
     ----------
     to_u2, to_u3 : the distances u − u2 and u3 − u
+    swing : the nutation, whose cubic has the zeros u2 and u3
     """
     whole = (to_u2 + swing.u21) * swing.u32
     return first_kind(to_u2 * swing.u31 / whole, to_u3 * swing.u21 / whole, swing.lattice.m)

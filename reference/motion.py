@@ -62,7 +62,7 @@ def assembled(
     ----------
     times : (n,) s, from the scene's start on
     states : q_world_axes (n, 4), scalar first, and omega_axes (n, 3), rad/s
-    flight : duration and start of the flight that leads to each sample
+    flight : duration and start of the com's free flight that leads to each sample
     kept : constant angular momentum of each rotor about its axle, kg m²/s, (rotors,) or (n, rotors)
     """
     q_world_axes, omega_axes = states

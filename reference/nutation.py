@@ -54,21 +54,26 @@ class Constants(NamedTuple):
 
     @property
     def c_plus_d(self) -> mpf:
-        """c + d, 1/s."""
+        """c + d, 1/s, with c as in the attribute `e`."""
         return self.e + (1 + self.pole) * self.d
 
     @property
     def c_minus_d(self) -> mpf:
-        """c − d, 1/s."""
+        """c − d, 1/s, with c as in the attribute `e`."""
         return self.e - (1 - self.pole) * self.d
 
     def c_minus_d_times(self, below: mpf, above: mpf) -> mpf:
-        """Return c − d u, 1/s, given `below` = 1 − u and `above` = 1 + u."""
+        """Return c − d u, 1/s, with u = cos β and c as in the attribute `e`.
+
+        Parameters
+        ----------
+        below, above : 1 − u, and 1 + u
+        """
         return self.e + self.pole * self.d * (below if self.pole > 0 else above)
 
 
 def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """Return the constants that follow from a start, with heights measured from one of the poles.
+    """Return a top's constants of motion and start, with heights measured from one of the poles.
 
     The pole is the nearer one, or the upper one if the top has just the energy and the angular
     momentum to reach it.
@@ -86,7 +91,7 @@ def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
 
 
 def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
-    """Return the constants that follow from a start, with heights measured from a given pole.
+    """Return a top's constants of motion and start, with heights measured from a given pole.
 
     A difference of numbers that agree to working precision is set to zero.
 
@@ -136,7 +141,12 @@ class Nutation(NamedTuple):
 
 
 def nutation(start: Constants) -> Nutation | None:
-    """Return the nutation that follows from a top's constants; None if u is constant."""
+    """Return the nutation of a top with given constants of motion; None if its tilt is constant.
+
+    Parameters
+    ----------
+    start : the constants of motion, and the state at t = 0
+    """
     pole, delta = start.pole, start.delta
     d1, d2, d3 = turning_points(pole, start.b, start.d, start.excess, start.e)
     if equal(d1, d2):
@@ -194,9 +204,14 @@ def _by_cosines(a2: mpf, a1: mpf, a0: mpf) -> list[mpf]:
 
 
 def _within_bounds(deltas: list[mpf], pole: int) -> Vector:
-    """Return δ of the three roots; a root that rounding has put beyond a pole is moved to the pole.
+    """Return the roots' distances δ from a pole, without what rounding has put beyond a pole.
 
-    So −1 ≤ u1, u2 ≤ 1 ≤ u3 holds exactly.
+    A root beyond a pole is moved to it, so that −1 ≤ u1, u2 ≤ 1 ≤ u3 holds exactly.
+
+    Parameters
+    ----------
+    deltas : δ of u1, u2 and u3
+    pole : 1 for the upper pole, −1 for the lower
     """
     d1, d2, d3 = deltas
     if pole > 0:
@@ -205,5 +220,5 @@ def _within_bounds(deltas: list[mpf], pole: int) -> Vector:
 
 
 def _difference(a: mpf, b: mpf, scale: mpf = 0) -> mpf:
-    """Return a − b; 0 if they are equal to working precision of |a|, |b| or `scale`."""
+    """Return a − b; 0 if it is only rounding, relative to the largest of |a|, |b| and `scale`."""
     return mpf(0) if equal(a, b, scale) else a - b

@@ -30,10 +30,10 @@ class OtherEquations(Rows):
     Torques are along body axes unless their names say otherwise. The shapes below are those for one
     set; for E sets each array has a further first axis, of length E.
 
-    I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world
-    − (c + (a + b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω + Σᵢ P eᵢ × Rᵀ eᵢ
-    + Σᵢ eᵢ × I Rᵀ S R eᵢ, plus the torques of `spring` and of a table's normal force. R is the
-    matrix of q, body to world, and D is diagonal. The attitude turns at A ω + s − Rᵀ w.
+    I ω' = τ − ω × (G ω + h) and q' = ½ q (A ω), τ = l × Rᵀg + torque + Rᵀ torque_world − (c + (a +
+    b ‖ω‖) I) ω − (a + b ‖ω‖) h − (D + f ‖ω‖ᵖ + u R + v Rᵀ) ω + Σᵢ P eᵢ × Rᵀ eᵢ + Σᵢ eᵢ × I Rᵀ S R
+    eᵢ, plus the torques of `spring` and of a table's force, which can also pull. R is the matrix of
+    q, body to world, and D is diagonal. The attitude turns at A ω + s − Rᵀ w.
 
     Attributes
     ----------

@@ -125,7 +125,10 @@ def _to_body(R_world_body: Matrix, v: Vector) -> Vector:
 
 @kernel
 def rotation_of(q: FloatArray) -> Matrix:
-    """Return the rotation matrix, body to world, of a quaternion of any length, scalar first."""
+    """Return the rotation matrix, body to world, of a quaternion of any length, scalar first.
+
+    It is the unit matrix for a quaternion of zeros.
+    """
     w, x, y, z = q[0], q[1], q[2], q[3]
     n = w * w + x * x + y * y + z * z
     s = 2.0 / n if n > 0.0 else 0.0
@@ -161,10 +164,10 @@ def by_tensor(e: FloatArray, tensor: int, R: Matrix, v: Vector) -> Vector:
 
 @kernel
 def _of_world(e: FloatArray, R: Matrix, v: Vector) -> Vector:
-    """Return a vector along world axes, turned to body axes as the equations turn it.
+    """Return a vector v along world axes, turned to body axes as the equations turn it.
 
-    They may do so wrongly: as `OtherEquations.world_vectors` states, the vector is turned by Rᵀ,
-    which is correct, by R, or not at all.
+    They may do so wrongly: as `OtherEquations.world_vectors` says, v is turned by Rᵀ, which is
+    correct, by R, or not at all. `e` has the numbers of the equations.
     """
     if e[WORLD_VECTORS] >= UNTURNED:
         return v
@@ -175,7 +178,8 @@ def _of_world(e: FloatArray, R: Matrix, v: Vector) -> Vector:
 def _resistance(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
     """Return the torque of damping, friction and turned drag against ω, N m, body axes.
 
-    Of the numbers in `slowing`, the coefficient c is included, and a and b are not.
+    Of the numbers in `slowing`, the coefficient c is included, and a and b are not. `e` has the
+    numbers of the equations, and R is the attitude, body to world.
     """
     c, f = e[SLOWING], e[FRICTION]
     speed = math.sqrt(dot(omega, omega))
@@ -199,7 +203,8 @@ def _unit(axis: int) -> Vector:
 def _of_attitude(e: FloatArray, R: Matrix) -> Vector:
     """Return the torques that depend on the attitude, without that of gravity, N m, body axes.
 
-    They are those of `attitude_torque`, `spring` and `gravity_gradient`.
+    They are those of `attitude_torque`, `spring` and `gravity_gradient`. `e` has the numbers of the
+    equations, and R is the attitude, body to world.
     """
     torque, P, S = (0.0, 0.0, 0.0), matrix(e, ATTITUDE_TORQUE), matrix(e, GRAVITY_GRADIENT)
     for i in range(3):
@@ -227,7 +232,10 @@ def _turned_from(spring: Matrix, R: Matrix) -> Vector:
 
 @called
 def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
-    """Return the torque I ω' of all terms of the equations, N m, body axes."""
+    """Return I ω', the sum of all torques and of −ω × (G ω + h), N m, body axes.
+
+    `e` has the numbers of the equations, and R is the attitude, body to world.
+    """
     kept = vector(e, KEPT)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), kept, 1.0)
     torque = plus(vector(e, TORQUE), _cross(omega, turned), -1.0)
@@ -256,17 +264,17 @@ def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 
 @called
 def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
-    """Return the angular velocity, rad/s, body axes, at which Euler angles change at given rates.
+    """Return the angular velocity, rad/s, body axes, that given rates of Euler angles amount to.
 
-    The attitude turns so if equations take the components of ω for these rates. The result is nan
-    where the first and third axis coincide.
+    Equations that take the components of ω for such rates turn the attitude so. The result is nan
+    in gimbal lock.
 
     Parameters
     ----------
-    e : numbers of the equations; `KINEMATICS` is the convention of the angles
+    e : numbers of the equations; the number at `KINEMATICS` is the angles' convention
     R : the attitude, body to world
-    rates : rates of the angles, rad/s: first, second and third angle if the first and third axis
-        are the same, else those about x, y and z
+    rates : rates of the angles, rad/s: those of the first, second and third angle if the convention
+        repeats an axis, as ZYZ does, else those of the angles about x, y and z
     """
     which = int(e[KINEMATICS]) - FIRST_ANGLES
     i, j, k = which // 9, which // 3 % 3, which % 3
@@ -288,7 +296,14 @@ def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
     """Return the angular velocity at which the attitude turns, rad/s, body axes.
 
     It is ω if the equations are right. The entries `turning`, `body_turns`, `world_turns` and
-    `kinematics` of `OtherEquations` can make it another vector.
+    `kinematics` of `OtherEquations` can make it another vector; nan if the attitude is in gimbal
+    lock of the Euler angles that the equations integrate.
+
+    Parameters
+    ----------
+    e : numbers of the equations
+    R : the attitude, body to world
+    omega : ω, rad/s, body axes
     """
     omega = _times(matrix(e, TURNING), omega)
     kinematics = e[KINEMATICS]
@@ -304,8 +319,8 @@ def turning(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -> Vector:
     """Return ω', rad/s², body axes, of an engine that integrates L and turns the tensor wrongly.
 
-    It computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. Its L, which only
-    torques change, is therefore Rᵀ I R ω.
+    The engine computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. Its L,
+    which only torques change, is therefore Rᵀ I R ω. `torque` is what `_torque` returns.
     """
     inverse = matrix(e, INVERSE)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), vector(e, KEPT), 1.0)
@@ -320,13 +335,14 @@ def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -
 
 @kernel
 def rates_of(e: FloatArray, y: FloatArray) -> tuple[Vector, Vector]:
-    """Return the rates at a state: the angular velocity at which the attitude turns, and ω'.
+    """Return the angular velocity of the attitude, rad/s, and dω/dt, rad/s², both in body axes.
 
-    They are along body axes, rad/s and rad/s².
+    The angular velocity differs from ω if the equations turn the attitude wrongly: see `turning`.
 
     Parameters
     ----------
-    y : q, scalar first, of any length, and ω, rad/s, body axes, (7,)
+    e : numbers of the equations, a row of what `all_numbers` returns, (n,)
+    y : attitude, a quaternion of any norm, scalar first; and ω, rad/s, body axes; (7,)
     """
     R, omega = rotation_of(y), vector(y, 4)
     turned, torque = turning(e, R, omega), _torque(e, R, omega)

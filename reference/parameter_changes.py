@@ -90,7 +90,7 @@ def changes(scenario: Scenario, problem: Problem) -> dict[str, list[Change] | Ch
 def changed_problem(problem: Problem, change: Change) -> Problem:
     """Return a problem in which the numbers in `change.constants` are changed.
 
-    The constants of the equations are linear in these numbers. Start and inertia stay.
+    The constants of the equations are linear in these numbers. Start and inertia are not changed.
     """
     with mp.workdps(DIGITS):
         numbers = {

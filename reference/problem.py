@@ -81,7 +81,10 @@ class Problem:
         return mp.sqrt(dot(self.tip_axes, self.tip_axes)) ** 2 * self.mass
 
     def lengthened(self, factor: mpf) -> "Problem":
-        """Return the problem with its levers multiplied by a factor, and no end at lift-off."""
+        """Return the problem with the vector from pivot or tip to com multiplied by a factor.
+
+        On a table, its motion does not end at lift-off.
+        """
         levers = {
             name: tuple(factor * component for component in getattr(self, name))
             for name in ("lever_axes", "tip_axes")

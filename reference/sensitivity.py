@@ -190,7 +190,7 @@ class _Varied:
 
 
 def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]:
-    """Return a function that returns the problem together with its derivative along a change."""
+    """Return a function of a change, which returns the problem and its derivative by the change."""
     # The effects of the scene, not only those that turn the body: a lever that is zero may have a
     # derivative that is not.
     terms = terms_of(problem, scenario.called_for & TERMS.keys())
@@ -221,7 +221,9 @@ def _motion_derivative(varied: _Varied, times: FloatArray, orders: Orders) -> Fl
 
     Parameters
     ----------
+    varied : the problem and its derivative with respect to the change
     times : s, (n,)
+    orders : orders of the Taylor series
     """
     states, tangents = _marched(varied, times, orders)
     (w, x, y, z), (dw, dx, dy, dz) = states[:, Q : Q + 4].T, tangents[:, Q : Q + 4].T
@@ -243,7 +245,9 @@ def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatA
 
     Parameters
     ----------
+    varied : the problem and its derivative with respect to the change
     times : s, (n,)
+    orders : orders of the Taylor series
 
     Raises
     ------
@@ -324,6 +328,8 @@ def _heaved(
 ) -> FloatArray:
     """Return derivatives of the com's height, ẑ·R lever, and of its rate, ẑ·R (ω × lever).
 
+    R is the attitude, and the lever the vector from the tip on a table to the com.
+
     Parameters
     ----------
     turned : derivatives of attitude and ω by k numbers, (n, 6, k)
@@ -396,7 +402,8 @@ def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
 
     Parameters
     ----------
-    difference, values : (n, 6, k) or (n, 6)
+    difference : differences of derivatives from those of another solution, (n, 6, k) or (n, 6)
+    values : the derivatives, of the same shape
     rate : the unit of ω, rad/s
     """
     unit = np.repeat([1.0, rate], 3)[:, None]

@@ -117,7 +117,8 @@ class ExactMotion:
     def solve_each(self, rows: Sequence[FloatArray]) -> list[Solution]:
         """Return the motion at each of several rows of times, (n,) s, computed for all together.
 
-        Uncertainty and conditioning are those over all times, and so upper bounds for each row.
+        Uncertainty and conditioning are those over all times, and so upper bounds for each row. The
+        errors raised are those of the function `solve`, for all times together.
         """
         together = self.solve(np.unique(np.concatenate(list(rows))))
         return [_part(together, times) for times in rows]
@@ -128,6 +129,11 @@ class ExactMotion:
         Parameters
         ----------
         times : (n,) s, increasing, from 0 on
+
+        Raises
+        ------
+        ValueError, IntegrationError
+            As by the function `solve`.
         """
         times = _increasing(times)
         if self._closed is not None:
@@ -153,9 +159,9 @@ def _increasing(times: FloatArray) -> FloatArray:
 def _part(together: Solution, times: FloatArray) -> Solution:
     """Return the part of a solution at `times`, up to the solution's horizon.
 
-    All of `times` must be among those the solution was computed at. If the part ends before the
-    last of these times, its horizon is the time of lift-off, or else the first of these times from
-    the solution's horizon on.
+    All of `times` must be among those that the solution `together` was computed at. If the part
+    ends before the last of these times, its horizon is the time of lift-off, or else the first of
+    these times from the solution's horizon on.
     """
     count = (
         len(times) if together.horizon is None else int(np.searchsorted(times, together.horizon))
@@ -211,12 +217,13 @@ def _solve_closed(
 
 
 def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -> Errors:
-    """Return how far a closed form is from the ODE's solution, while the latter is accurate.
+    """Return the largest distances in each signal of a closed form from the ODE's solution.
 
-    Beside a saddle the ODE's solution is inaccurate: its rounding error grows, and that of the
-    closed form does not. If the two differ by more than rounding, the closed form is compared with
-    the series of `FINE_ORDERS` instead, up to the sample where the series of `TRUTH_ORDERS` departs
-    from that of `FINE_ORDERS`.
+    Only samples at which the ODE's solution is accurate count. `by_form` is the motion by the
+    closed form. Beside a saddle the ODE's solution is inaccurate: its rounding error grows, and
+    that of the closed form does not. If the two differ by more than rounding, the closed form is
+    compared with the series of `FINE_ORDERS` instead, up to the sample where the series of
+    `TRUTH_ORDERS` departs from that of `FINE_ORDERS`.
     """
 
     def by_ode(orders: Orders) -> Trajectory:
@@ -234,7 +241,10 @@ def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -
 def _count_of_agreeing_samples(
     scenario: Scenario, trajectory: Trajectory, coarser: Trajectory
 ) -> int:
-    """Return the number of samples before ω or attitude first differ beyond `MAX_UNCERTAINTY`."""
+    """Return the number of samples before the first at which two motions differ.
+
+    They differ if ω, relative, or attitude, rad, is apart by more than `MAX_UNCERTAINTY`.
+    """
     series = error_series(scenario, trajectory, coarser)
     beyond = np.flatnonzero(np.maximum(series["omega"], series["attitude"]) > MAX_UNCERTAINTY)
     return int(beyond[0]) if len(beyond) else len(trajectory.t)
@@ -320,7 +330,7 @@ def _integrated_to_horizon(scenario: Scenario, problem: Problem, times: FloatArr
     Raises
     ------
     IntegrationError
-        If the motion is not known at the first of the times.
+        If the motion is not known at the first of the times, or cannot be integrated.
     """
 
     def integrated(orders: Orders) -> Trajectory:

@@ -47,8 +47,9 @@ def body_cone_rate(I1: float, I3: float, omega3: float) -> float:
 def separatrix_distance(moments: Vector, omega: Vector) -> float:
     """Return (L² − 2 E I2)/L², with I2 the middle moment: 0 on the separatrix, and at rest.
 
-    If it is positive, ω circulates about the axis of the largest moment, if negative about that of
-    the smallest (Landau & Lifshitz, Mechanics, §37).
+    L is the angular momentum and E the kinetic energy. If the result is positive, ω circulates
+    about the axis of the largest moment, if negative about that of the smallest (Landau & Lifshitz,
+    Mechanics, §37).
 
     Parameters
     ----------
@@ -63,6 +64,7 @@ def separatrix_distance(moments: Vector, omega: Vector) -> float:
 def tumbling_period(moments: Vector, omega: Vector) -> float | None:
     """Return the period 4K/p of ω(t) of a free asymmetric body, s; the body flips twice in it.
 
+    K is the quarter period of Jacobi's functions and k' their complementary modulus:
     p² = (I3 − I2)(L² − 2 E I1)/(I1 I2 I3) and p² k'² = (I3 − I1)(L² − 2 E I2)/(I1 I2 I3), where 2
     is the middle axis and 3 the one that ω circulates about (Landau & Lifshitz §37, eq. 37.8–12);
     by Carlson, 4K/p = 4 R_F(0, p² k'², p²) (DLMF 19.25.1). In the limit of rotation about the axis
@@ -95,7 +97,7 @@ def tumbling_period(moments: Vector, omega: Vector) -> float | None:
 
 
 def _excess(moments: Vector, omega: Vector, of: mpf) -> mpf:
-    """Return L² − 2 E I for the moment I = `of`, kg² m⁴/s².
+    """Return L² − 2 E I for the moment I = `of`, kg m², in kg² m⁴/s².
 
     It is summed axis by axis, so that the axis of this moment drops out exactly.
 

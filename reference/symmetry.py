@@ -75,7 +75,7 @@ def angular_momentum_axes(problem: Problem) -> Vector:
 
 
 def moment_about(problem: Problem, axis: Vector) -> mpf:
-    """Return the moment about an axis, a unit vector, through the fixed point, kg m²."""
+    """Return the moment about an axis through the fixed point, kg m²; `axis` is a unit vector."""
     with mp.workdps(DIGITS):
         return mp.fsum(m * n * n for m, n in zip(problem.moments, axis, strict=True))
 

@@ -108,9 +108,10 @@ def _extend_with_inertia(
 def _tangent_step(tangent: FloatArray, order: int) -> float:
     """Return the step, s, at which the last two terms of the derivative's series are small.
 
-    Term n must be at most e⁻²⁽ⁿ⁻ᵏ⁾ of one of the lower terms k, for ω and for q. It is not compared
-    with term 0 alone, because that may be zero: a derivative may be zero at first, and that of a
-    body at rest may grow. The step is 0 if one of these terms is not finite.
+    `tangent` has the terms of orders 0 to `order`, one in each row. Term n must be at most e⁻²⁽ⁿ⁻ᵏ⁾
+    of one of the lower terms k, for ω and for q. It is not compared with term 0 alone, because that
+    may be zero: a derivative may be zero at first, and that of a body at rest may grow. The step is
+    0 if one of these terms is not finite.
     """
     radius = np.inf
     for first, last in ((OMEGA, OMEGA + 3), (Q, Q + 4)):

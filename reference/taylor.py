@@ -102,6 +102,7 @@ def integrate(
     Parameters
     ----------
     times : (n,) s, not decreasing, from 0 on; the problem's state is the one at t = 0
+    orders : number of orders of the series, in all and in double-double
 
     Returns
     -------

@@ -50,7 +50,7 @@ CLOCK_TICK = 2.0**-104
 
 @kernel
 def row_size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
-    """Return the 1-norm of columns first to last − 1 of row n.
+    """Return the 1-norm of columns first to last − 1 of row n of a series.
 
     Unlike a maximum it is NaN if any of the numbers is.
     """
@@ -64,9 +64,10 @@ def row_size(coefficients: FloatArray, n: int, first: int, last: int) -> float:
 def step_size(coefficients: FloatArray, order: int) -> float:
     """Return the step, s, at which the last term of the series is e⁻²ᴺ of the state.
 
-    It is computed from the last two of N orders, as in Jorba & Zou 2005, section 3. The size of the
-    state is 1 for q, and for ω the larger of ‖ω‖ and its change in the step, so that a body may
-    start from rest. The step is inf for a body that stays at rest, and 0 where numbers overflowed.
+    It is computed from the last two of N = `order` orders (Jorba & Zou 2005, section 3). The size
+    of the state is 1 for q, and for ω the larger of ‖ω‖ and its change in the step, so that a body
+    may start from rest. The step is inf for a body that stays at rest, and 0 where numbers
+    overflowed.
     """
     speed = row_size(coefficients, 0, OMEGA, OMEGA + 3)
     gain = row_size(coefficients, 1, OMEGA, OMEGA + 3)
@@ -136,7 +137,7 @@ def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
 def _expand(
     series: Tables, constants: Tables, inverses: Tables, terms: Terms, total: int, paired: int
 ) -> None:
-    """Compute all orders of a series from order 0, the first `paired` of them in double-double."""
+    """Compute orders 1 to `total` of a series, up to order `paired` in double-double."""
     start_from_state(series, constants, terms)
     extend(series, constants, inverses, terms, 0, paired)
     extend(series[0], constants[0], inverses[0], terms, paired, total)
@@ -144,7 +145,10 @@ def _expand(
 
 @kernel
 def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> bool:
-    """Whether the table pushes up and the com is above it, at a time t from the step's start."""
+    """Whether the table pushes up and the com is above it, at a time t, s, from a step's start.
+
+    `series` has the orders 0 to `total` − 1 of the step, high parts alone.
+    """
     force, along = 0.0, 0.0
     for n in range(total - 1, -1, -1):
         force = force * t + series[n, PRESSED]
@@ -157,9 +161,9 @@ def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> b
 
 @kernel
 def _lifts_off(series: FloatArray, constants: FloatArray, total: int, h: float) -> float:
-    """Return the time, from the start of a step of length h, at which a body leaves its table.
+    """Return the time, from the start of a step of h seconds, at which a body leaves its table.
 
-    It is inf if the body does not leave the table in the step.
+    It is inf if the body does not leave the table in the step. `total` is the order of the series.
     """
     before = 0.0
     for k in range(LOOKS + 1):

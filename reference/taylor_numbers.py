@@ -121,8 +121,8 @@ def add_product(total: Number, a: Number, b: Number) -> Number:
 
     In double-double the rounding errors are summed apart, and added by `rounded` at the end. This
     is a dot product in twice the working precision. It takes half the work of rounding each term;
-    its error is at most n u² times the sum of the terms' sizes (Ogita, Rump & Oishi 2005,
-    algorithm 5.3).
+    the error of n products is at most n u² times the sum of their sizes, u = 2⁻⁵³ (Ogita, Rump &
+    Oishi 2005, algorithm 5.3).
     """
     return fma(a, b, total)
 

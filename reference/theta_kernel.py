@@ -62,9 +62,9 @@ class ThetaTables(NamedTuple):
 def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, float]:
     """Return the theta functions' argument at a time t, s, in cells: whole cells, and the rest.
 
-    A cell is a half period of sn and cn. The rest is a double-double, as high and low part, in
-    [-1/2, 1/2]. For an endless motion the number of whole cells is 0, and the rest is all of the
-    argument.
+    A cell is a half period of sn and cn; `clock` is that of `ThetaTables`. The rest is a
+    double-double, as high and low part, in [-1/2, 1/2]. For an endless motion the number of whole
+    cells is 0, and the rest is all of the argument.
     """
     p, e = two_prod(t, clock[0, 0])
     s, f = two_sum(p, clock[1, 0])
@@ -101,7 +101,8 @@ def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
 def _series(kind: int, a: FloatArray, s: float, c: float, s2: float, c2: float) -> float:
     """Return the sum of a series of harmonics by Clenshaw's recurrence (DLMF 3.11.ii).
 
-    s, c and s2, c2 are the sine and cosine of x and of 2x.
+    `kind` and `a` are the kind of the harmonics and their coefficients; s, c and s2, c2 are sine
+    and cosine of x and of 2x.
     """
     b0 = b1 = 0.0
     for k in range(a.size - 1, -1, -1):

@@ -113,7 +113,7 @@ class Quotient(NamedTuple):
 
 
 class InitialValue(NamedTuple):
-    """The value of a function of time at t = 0, and its derivative, 1/s."""
+    """The value of a function of time at t = 0, and its derivative by time, in its unit per s."""
 
     value: mpc
     slope: mpc
@@ -140,7 +140,7 @@ ONE = Harmonics(EVEN_COSINE, (mpf(1),))
 
 
 def turning(value: mpc, rate: mpf = 0) -> Quotient:
-    """Return the quotient value · e^{i rate t}, without theta functions; `rate` is in rad/s."""
+    """Return value · e^{i rate t} as a quotient without theta functions; `rate` is in rad/s."""
     real = Harmonics(EVEN_COSINE, (abs(value),))
     turns = mp.arg(value) / (2 * mp.pi)
     return Quotient(real, NOTHING, False, 0, rate / (2 * mp.pi), turns, mpf(0))
@@ -211,6 +211,7 @@ def tables(clock: Clock | None, quotients: Sequence[Quotient], frames: Frames) -
     ----------
     clock : the argument of the theta functions; None if all quotients are made by `turning`
     quotients : the Cayley–Klein parameters A and B, W = ω2 + iω1, and ω3
+    frames : the rotations that relate the frames of A and B to the world and to principal axes
     """
     denominator = ONE if clock is None else clock.theta4.real
     rows = [*quotients, over_theta4(denominator, NOTHING, mpf(0))]

@@ -53,7 +53,7 @@ class ErrorSeries:
 
 @dataclass(frozen=True, eq=False)
 class ErrorNorm:
-    """The norm of errors of motions from one exact motion.
+    """The norm of errors of a scene's motions, from its exact motion at the same samples.
 
     A motion is converted to an array with the values of all its signals side by side, called its
     table. Distances between motions are computed from their tables.
@@ -122,7 +122,7 @@ class ErrorNorm:
         return limit
 
     def _values(self, signal: Signal, motion: Trajectory) -> FloatArray:
-        """Return the values of a signal along a motion, SI, (n,) or (n, columns).
+        """Return the values of a signal along a motion, SI, (n,) for a scalar, else (n, columns).
 
         Quaternions are normalised, and have the sign nearer to the exact motion's.
         """

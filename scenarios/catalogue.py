@@ -59,8 +59,8 @@ def find(names: Iterable[str]) -> list[Path]:
     Raises
     ------
     ScenarioError
-        If a name is none of these, a folder holds no scenario or too many files, or two files have
-        the same name.
+        If a name is none of these or cannot be read, a folder holds no scenario or too many files,
+        or two files have the same name.
     """
     names = list(names)
     paths = [path for name in names for path in _find_one(name)] if names else _library()

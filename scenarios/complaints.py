@@ -38,13 +38,14 @@ _IN_TOML = {
 def validation_message(details: list[ErrorDetails], text: str, where: str) -> str:
     """Return the message about errors that pydantic found in a scenario file.
 
-    It has one line for each key with errors, even if several entries of the key's array are wrong.
-    At most `MAX_COMPLAINTS` keys are listed.
+    It has one line for each key with errors, even if several entries of the key's array are wrong,
+    for at most `MAX_COMPLAINTS` keys. If there are more errors than that, a last line says that
+    further errors are not listed.
 
     Parameters
     ----------
     details : pydantic's errors
-    text : the file
+    text : text of the file
     where : name of the file
     """
     lines: dict[Keys, str] = {}
@@ -62,7 +63,7 @@ def misfit(error: Misfit, text: str, where: str) -> str:
 
     Parameters
     ----------
-    text : the file
+    text : text of the file
     where : name of the file
     """
     return at(where, line_of(text, error.keys), f"{_spell(error.keys)}{error}")
@@ -91,7 +92,12 @@ def _without_entries(keys: Keys) -> Keys:
 
 
 def _explain(detail: ErrorDetails, keys: Keys) -> str:
-    """Return the message of one pydantic error."""
+    """Return spincheck's message about an error that pydantic found: its keys and the broken rule.
+
+    Parameters
+    ----------
+    keys : the path of keys to the wrong value in the file
+    """
     return f"{_spell(keys)}{_rule(detail, keys)}"
 
 
@@ -119,7 +125,12 @@ def _spell(keys: Keys) -> str:
 
 
 def _rule(detail: ErrorDetails, keys: Keys) -> str:
-    """Return the rule that a value breaks, with the value, in words."""
+    """Return in words the rule that an error is about, and the value that breaks it.
+
+    Parameters
+    ----------
+    keys : the path of keys to that value, or to a key that is missing or unknown
+    """
     if detail["type"] == "extra_forbidden":
         key = str(keys[-1])
         if len(keys) == 1 and key in _known_keys(("effects",)):
@@ -143,7 +154,7 @@ def _rule(detail: ErrorDetails, keys: Keys) -> str:
 
 
 def _unknown_key(key: str, known_keys: Iterable[str]) -> str:
-    """Return the message that a key is unknown, with the nearest known key and a list of all."""
+    """Return the message that a key is unknown: the known key nearest to it, and all known keys."""
     known_keys = sorted(known_keys)
     close = difflib.get_close_matches(key, known_keys, n=1)
     hint = f"did you mean '{close[0]}'? " if close else ""

@@ -1,7 +1,7 @@
-"""The scenario file's format, version 1: one pydantic model a table.
+"""The scenario file's format, version 1: one pydantic model for each table.
 
-Field constraints say what a value may be; cross-checks between keys sit on the table they
-concern. `schema.json` is generated from these models.
+Constraints of a field say what its value may be. Checks that concern several keys are validators of
+the table's model. `schema.json` is generated from these models.
 """
 
 from functools import lru_cache

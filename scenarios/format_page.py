@@ -104,12 +104,17 @@ is −m g·r_com.
 
 
 def format_page() -> str:
-    """Return the page as Markdown."""
+    """Return the page that specifies the scenario file, as Markdown."""
     return "\n".join([_HEAD, *(line for title in EXAMPLES for line in _section(title))])
 
 
 def _section(title: str) -> Iterator[str]:
-    """Yield the lines of the section on one table: meaning, keys and an example."""
+    """Yield the lines of the section on one table: meaning, keys and an example.
+
+    Parameters
+    ----------
+    title : the section's title, a key of `EXAMPLES`
+    """
     model, example = EXAMPLES[title]
     yield f"## {title}\n"
     yield f"{model.__doc__}\n"
@@ -125,7 +130,7 @@ def _section(title: str) -> Iterator[str]:
 
 
 def _kind(field: FieldInfo) -> str:
-    """Return words for the values that a key takes."""
+    """Return words for the values that a key of a table takes: their type and their bounds."""
     limits = [
         f" {sign} {limit}"
         for name, sign in (("gt", ">"), ("ge", "≥"), ("le", "≤"))

@@ -125,7 +125,7 @@ class Rotors:
         return read_only([rotor.spin for rotor in self.each])
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return the angular momentum about its axle that each rotor keeps, kg m²/s, (n, rotors).
+        """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
 
         It is C (u·ω + s) on a free hinge and C s on any other.
 
@@ -138,7 +138,7 @@ class Rotors:
         return np.asarray(self.along * (spins + turned))
 
     def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
-        """Return the spins, rad/s, (n, rotors), of rotors that keep angular momenta `kept`.
+        """Return the rotors' spins, rad/s, (n, rotors), given their constant angular momenta.
 
         It is the inverse of `Rotors.kept`.
 

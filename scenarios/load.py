@@ -118,6 +118,10 @@ def is_scene_name(name: str) -> bool:
 def _parsed(text: str, where: str) -> dict[str, Any]:
     """Return the tables of a TOML text.
 
+    Parameters
+    ----------
+    where : name of the file, for messages
+
     Raises
     ------
     ScenarioError
@@ -147,6 +151,12 @@ def _parsed(text: str, where: str) -> dict[str, Any]:
 
 def _scenario(tables: dict[str, Any], name: str, text: str, path: Path | None) -> Scenario:
     """Return the scenario of parsed tables, after all checks of tables and of their consistency.
+
+    Parameters
+    ----------
+    name : name of the scene
+    text : the text that the tables were parsed from
+    path : the file, which paths in the tables are relative to; None without a file
 
     Raises
     ------

@@ -68,7 +68,13 @@ def _with_effects(
     total: FloatArray,
     term_of: Callable[[Effect], Along | None],
 ) -> FloatArray:
-    """Return `total` plus the term that each effect of the scene adds, if it has one."""
+    """Return `total` plus the term that each effect of the scene adds, if it has one.
+
+    Parameters
+    ----------
+    total : a quantity of the body along the motion, SI, one row for each sample
+    term_of : returns the function that computes an effect's term; None if the effect has none
+    """
     # After a blow-up, terms may be too large for a double.
     with np.errstate(over="ignore", invalid="ignore"):
         for effect in scenario.acting:

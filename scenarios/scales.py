@@ -18,8 +18,8 @@ from .scenario import Scenario
 #: Smallest and largest size of a quantity, SI. Its square is still a double; the moment of inertia
 #: of a hydrogen molecule is 1e-48 kg m², that of the Milky Way 1e82.
 SMALLEST, LARGEST = mpf("1e-150"), mpf("1e150")
-#: Quantities that are divided by, and so must not be below `SMALLEST`; other quantities may be, and
-#: act as 0.
+#: Names of quantities that others are divided by, which must not be below `SMALLEST`. Any other
+#: quantity may be: it acts as 0.
 NEVER_SMALL = ("the time", "the mass", "the least moment of inertia")
 #: Largest ratio of the moments about the fixed point: a grain of 1e-8 m on a thread of 1 m.
 #: Conversions with `DIGITS` digits then leave each moment exact to far more than a double-double.
@@ -85,7 +85,7 @@ def _sizes(extent: Extent, where: tuple[str, ...]) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield the scene's rates, which limit an integrator's timestep, 1/s."""
+    """Yield ‖ω‖ at the start and the rates of the scene's effects, 1/s: they limit timesteps."""
     yield ("start",), "an angular velocity", length(extent.scenario.start.omega_body_exact)
     for effect in extent.scenario.acting:
         yield from effect.rates(extent)

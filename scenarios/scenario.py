@@ -180,7 +180,7 @@ class Scenario:
         return self.rotors.kept_body(kept)
 
     def spins(self, omega_body: FloatArray, kept: FloatArray) -> FloatArray:
-        """Return the spins, rad/s, (n, rotors), of rotors that keep angular momenta `kept`.
+        """Return the rotors' spins, rad/s, (n, rotors), given their constant angular momenta.
 
         Parameters
         ----------
@@ -263,12 +263,19 @@ class Scenario:
 
 @lru_cache(maxsize=KEPT)
 def _rebuilt(text: str, name: str, path: Path | None) -> Scenario:
-    """Return the scene of a text; for the same text again, a process gets the same object."""
+    """Return the scene of a file's text; it is cached, so that equal texts give the same object."""
     return build(Document.model_validate(tomllib.loads(text)), name, text, path)
 
 
 def build(document: Document, name: str, text: str, path: Path | None = None) -> Scenario:
-    """Return the scenario of a parsed document; `text` is that of its file."""
+    """Return the scenario of a parsed document.
+
+    Parameters
+    ----------
+    name : name of the scene
+    text : the text of its file
+    path : the file; None for a scene built in memory
+    """
     carrier, rotors = document.body.body(), rotors_of(document.rotors)
     start = _start(document, carrier, rotors)
     return Scenario(name, path, text, document, carrier, rotors, start)
@@ -277,8 +284,9 @@ def build(document: Document, name: str, text: str, path: Path | None = None) ->
 def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) -> Scenario:
     """Return a scene with some tables of its file, such as `window`, replaced.
 
-    Its text is written anew. Published values and expectations are left out, as they hold only for
-    the unchanged scene. Checks that concern several tables, or sizes, are not repeated.
+    The new tables are given in parsed form, by their names; `rotors=None` removes the rotors. The
+    text of the scene is written anew. Published values and expectations are left out, as they hold
+    only for the unchanged scene. Checks that concern several tables, or sizes, are not repeated.
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)

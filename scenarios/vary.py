@@ -29,7 +29,8 @@ def rewritten(scenario: Scenario, tables: Mapping[str, Any], changes: str) -> Sc
     Parameters
     ----------
     tables : the tables of the new scene's file
-    changes : what is different, for the title; empty leaves the title as it is in `tables`
+    changes : words for what differs from `scenario`, which are added to its title; if empty, the
+        title is the one in `tables`
 
     Raises
     ------

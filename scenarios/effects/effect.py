@@ -272,7 +272,7 @@ class Effect:
 
     @property
     def heading(self) -> str:
-        """The heading of the effect's table in a scene file, with brackets: "[effects.drag]"."""
+        """The heading of the effect's table in a scene file: "[effects.drag]" or "[[rotors]]"."""
         return f"[[{self.table}]]" if self.is_part else f"[effects.{self.table}]"
 
     def table_in(self, document: Any) -> Any:

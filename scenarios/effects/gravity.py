@@ -57,7 +57,7 @@ def swing_rate(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    """Yield the acceleration, and the largest potential energy of the com."""
+    """Yield the acceleration of gravity, m/s², and a bound on the body's potential energy, J."""
     where = ("effects", "gravity", "acceleration")
     g = length(extent.scenario.gravity_world)
     energy = extent.scenario.body.mass_exact * g * extent.distance
@@ -66,7 +66,10 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield the rate of a small swing under gravity, if the body is held."""
+    """Yield √(m g l/I), the rate of a small swing under gravity, rad/s; none for a free body.
+
+    l is the com's distance from the body's origin, and I the middle moment of inertia.
+    """
     if not extent.scenario.constraint.is_free:
         lever = extent.scenario.body.mass_exact * extent.arm
         pull = lever * length(extent.scenario.gravity_world)

@@ -75,7 +75,8 @@ def rotors_of(tables: Iterable[RotorTable] | None) -> Rotors:
 def gyroscopic_rate(scenario: Scene) -> float:
     """Return ‖h‖/I, the rate at which h × ω turns ω, rad/s.
 
-    h is the angular momentum that the rotors keep at t = 0, and I the least moment across h.
+    h is the sum of the rotors' constant angular momenta, and I the least moment across h. The
+    rate is 0 if h is zero.
     """
     h = scenario.kept_body(scenario.kept_at_start)
     size = float(np.linalg.norm(h))
@@ -87,7 +88,11 @@ def gyroscopic_rate(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    """Yield distance, angular momentum and kinetic energy of each rotor."""
+    """Yield each rotor's distance from the body's origin, and bounds on its momentum and energy.
+
+    With C its moment about its axle and s its spin, the bounds are C (|s| + ‖ω‖), kg m²/s, and
+    C (|s| + ‖ω‖)², J, both at t = 0.
+    """
     speed = length(extent.scenario.start.omega_body_exact)
     for k, rotor in enumerate(extent.scenario.rotors.each):
         where = ("rotors", k)
@@ -98,7 +103,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield the gyroscopic rate of the rotors, rad/s."""
+    """Yield the rate at which the rotors' angular momentum turns ω, `gyroscopic_rate`, rad/s."""
     rate = mpf(gyroscopic_rate(extent.scenario))
     yield ("rotors",), "the rotors' momentum over the body's moment", rate
 

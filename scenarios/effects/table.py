@@ -190,7 +190,10 @@ def _check_stated(scenario: Scene, stated: StartTable) -> None:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    """Yield the table's height, the tip's radius, the lever, and lever² over the least moment."""
+    """Yield the table's height, the tip's radius, the com's distance l from the tip, and l²/I.
+
+    The first three are in m. l²/I, 1/kg, has the least moment of inertia for I.
+    """
     table = extent.scenario.table_of(TableTable)
     assert table is not None
     yield (*WHERE, "height"), "the table's height", abs(mpf(table.height)), "m"

@@ -40,7 +40,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield the largest angular velocity that the torque can lead to in the scene's time span.
+    """Yield the largest ‖ω‖, rad/s, that the torque can lead to in the time span from rest.
 
     Effects that slow the body limit it.
     """
