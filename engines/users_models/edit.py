@@ -68,12 +68,14 @@ def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
 
 
 def inertial_line(body: BodyReading, form: str = "urdf") -> str:
-    """Return an `<inertial>` that states a body, with its tensor along the link's axes.
+    """Return an `<inertial>` element with a body's mass, com and tensor of inertia.
 
-    Without a rotation every engine reads it alike.
+    The tensor is given along the link's axes, without a rotation of the inertial frame, because
+    some engines ignore such a rotation.
 
     Parameters
     ----------
+    body : the body, in the link's frame
     form : format of the file, "urdf" or "mjcf"
     """
     if form == "mjcf":
@@ -98,7 +100,7 @@ def _of_mjcf(body: BodyReading) -> dict[str, str]:
 
 
 def _entries(body: BodyReading) -> dict[str, float]:
-    """Return the entries of the tensor about the com, kg m², in MJCF's order, by names as "xy"."""
+    """Return the entries of the tensor about the com, kg m², in MJCF's order, by name, as "xy"."""
     tensor = body.inertia_com
     order = ("xx", "yy", "zz", "xy", "xz", "yz")
     return {axes: float(tensor["xyz".index(axes[0]), "xyz".index(axes[1])]) for axes in order}

@@ -29,7 +29,7 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
     Raises
     ------
     ModelFileError
-        If the file cannot be read, or engines would not read it alike.
+        If the file cannot be read, or engines would read different values from it.
     """
     path = Path(path)
     named = tuple((name, folder.absolute()) for name, folder in packages)

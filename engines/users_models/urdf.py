@@ -210,16 +210,20 @@ def with_meshes(
 def body_alone(
     model: ModelFile, body: RigidBody, endings: Collection[str] | None = None
 ) -> tuple[bytes, dict[str, bytes]]:
-    """Return a URDF of one body: its links, and the joints between them, are cut out verbatim.
+    """Return a URDF of one rigid body: its links and the joints between them, cut out of a model.
+
+    Their text stays as it is, with three exceptions: visual shapes are removed, and so are
+    collision shapes whose mesh is not kept; and kept meshes get new names.
 
     Parameters
     ----------
     model : the model from which the body is cut out
-    endings : file endings of the collision meshes that are kept; if None, no shapes are kept
+    endings : file endings of the collision meshes that are kept; if None, all shapes are removed
 
     Returns
     -------
-    The bytes of the URDF; and the contents of the mesh files, by their new names
+    The bytes of the URDF; and the contents of the kept mesh files, by the names that they have in
+    the URDF
 
     Raises
     ------

@@ -239,7 +239,7 @@ class ConvergenceStudy:
 
     @property
     def _stock_left(self) -> list[StockRun]:
-        """The runs at stock timesteps without a row so far; none if no timestep can succeed."""
+        """The runs at stock timesteps without a row so far; none if no run can succeed."""
         return (
             []
             if self._is_hopeless

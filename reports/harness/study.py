@@ -110,7 +110,7 @@ def study_method(
 
 
 def _run_with_some_defaults(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
-    """Make and store runs with different sets of an engine's defaults, to find what each changes.
+    """Make and store runs with different sets of an engine's defaults, to find what each does.
 
     A default is something that the engine does to motions unless it is told not to, such as
     damping. The sets are: none of the defaults, each of them alone, and all but one, for each.

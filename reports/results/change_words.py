@@ -175,7 +175,7 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
 
     Parameters
     ----------
-    numbers : xx − zz, yy − zz, xy, xz and yz, 1/s²
+    numbers : xx − zz, yy − zz, xy, xz and yz of the gradient, 1/s²
     """
     xx, yy, xy, xz, yz = numbers
     sizes, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, 0.0]])

@@ -84,7 +84,7 @@ def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
 
 
 def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
-    """Return the readings that differ from the file, each with the name of its link.
+    """Return the links as engines hold them otherwise than the file states, each with its name.
 
     They are in the order of the file's links.
     """
@@ -161,8 +161,8 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
 def composed_bodies(inspection: Inspection) -> list[Finding]:
     """Return a finding on each body that consists of links welded together.
 
-    It states the body's mass and principal moments; or, if the inertia of some link is computed
-    from its shapes, that it was not read.
+    It states the body's mass and principal moments. If the shapes of some link determine its
+    inertia, it states instead that this inertia was not read.
     """
     lines = []
     for body in inspection.composed:

@@ -135,7 +135,7 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
 
 def _thinned(intervals: int, turn: float) -> int:
-    """Return m, a power of two, if a ladder is sampled at every m-th sample of the scene's window.
+    """Return the power of two m for which a ladder is sampled at every m-th sample of the window.
 
     It is the smallest m for which a ladder that begins with one step between used samples has
     `MIN_RUNGS` rungs of at most `MAX_STEPS` steps. A smaller m is returned where with this m the

@@ -129,6 +129,9 @@ def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchR
 def batch_of(scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
     """Compare the worlds of a batch, time its steps, and return its row.
 
+    The row is `unsupported` if the engine refuses the scene, the device or the batch, and `failed`
+    if the engine fails.
+
     Parameters
     ----------
     row : the row to be completed; it states scene, engine, method, timestep, number of worlds and

@@ -21,23 +21,24 @@ Solved = dict[float, Solution] | str
 
 
 def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod]) -> list[Row]:
-    """Run methods at a point of an ensemble, and return one row for each method.
+    """Run methods on a member of an ensemble, and return one row for each method.
 
-    All rows are `unsupported` if the point has no valid scene, or if `rung_at` raises an error. The
-    rows of one engine are `unsupported` if its stock timestep is refused, or if a run would take
-    more than `STEP_BUDGET` steps. Without methods the exact motion is still solved, to find out
-    whether that succeeds.
+    All rows are `unsupported` if the member is not a valid scene, or if the timestep that `point`
+    states is too long or too short for the window. The rows of one engine are `unsupported` if its
+    stock timestep is refused, or if a run would take more than `STEP_BUDGET` steps. If the exact
+    motion cannot be found, the other rows are `failed`; but if the machine is to blame, the error
+    is raised. Without methods the exact motion is still solved, to find out whether that succeeds.
 
     Parameters
     ----------
-    base : the scene that is varied
+    base : the scene whose start and body are scattered
+    point : the member, and the timestep of its runs
     pairs : the methods, with their engines
 
     Raises
     ------
     IntegrationError
-        If there are no methods, and the exact motion cannot be found. With methods, no error is
-        raised, and the rows say so.
+        If there are no methods, and the exact motion cannot be found.
     """
     try:
         scenario = scene_at(point, base)
@@ -149,12 +150,12 @@ def _row(
 
 
 def scene_at(point: EnsemblePoint, base: Scenario) -> Scenario:
-    """Return the scene at a point.
+    """Return the scene at a point: a member of the ensemble that scatters `base`.
 
     Raises
     ------
     ScenarioError
-        If the varied scene is not valid.
+        If the scattered scene is not valid.
     """
     return member(base, point.seed, point.number)
 
