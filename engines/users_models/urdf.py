@@ -93,7 +93,7 @@ def _check_tree(
 
 
 def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Link:
-    """Return the link that an element states.
+    """Return the link that a `<link>` element describes.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def _pose(element: Element) -> Pose:
 
 
 def _shape(element: Element) -> Shape:
-    """Return the shape that a `<collision>` or `<visual>` states."""
+    """Return the shape that a `<collision>` or `<visual>` element describes."""
     geometry = element.only("geometry")
     solid = geometry.children[0] if geometry is not None and geometry.children else None
     mesh = solid.attributes.get("filename") if solid is not None else None
@@ -195,7 +195,7 @@ def with_meshes(
     -------
     data : the file without visual parts, and without collision shapes whose mesh is missing, lies
         outside the model's folders, or is not kept
-    meshes : contents of the mesh files, by their new names
+    meshes : contents of the mesh files, by the names that they have in the returned URDF
 
     Raises
     ------

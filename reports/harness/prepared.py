@@ -51,7 +51,8 @@ class SceneReference:
     def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
         """Return the exact motion; or the failure, if it cannot be found.
 
-        The first call solves it, and stores it if it is found. Later calls return the same.
+        The first call solves it, and stores it if it is found. Later calls return the same motion
+        or failure.
         """
         with self._solving:
             if self._solved is None:

@@ -43,7 +43,8 @@ class MuJoCoFile(FileEngine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Return a session of the scene's link alone, on a free joint, at the scene's start.
 
-        Gravity is the scene's; passes that the scene does not need are switched off.
+        Gravity is the scene's; passes (parts of a step) that the scene does not need are switched
+        off.
         """
         check_not_too_small(scenario)
         model = copy(_model(users_link(scenario)))

@@ -109,6 +109,7 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
     Parameters
     ----------
+    window : the scene's duration and number of samples
     fastest_rate : the fastest rate of the motion, rad/s
     samples : number of samples of the window at which the exact motion is known
     max_steps : largest number of steps of a run; the first `LEAST_RUNGS` rungs may take up to
