@@ -70,7 +70,7 @@ def _scaled(robot: Element) -> list[str]:
 
 
 def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> list[str]:
-    """Return a note if collision meshes are not inside the model's folders, else an empty list.
+    """Return a list with a note if the model's folders lack collision meshes; else an empty list.
 
     Parameters
     ----------

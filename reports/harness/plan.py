@@ -128,6 +128,7 @@ def can_be_timed(scenario: Scenario, pair: EngineMethod, verdict: Verdict | None
 
     Parameters
     ----------
+    pair : the engine and the method
     verdict : the stored verdict; None if there is none
     """
     engine, method = pair

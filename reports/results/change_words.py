@@ -77,7 +77,7 @@ def _decays(numbers: Sequence[float]) -> str:
 
     Parameters
     ----------
-    numbers : a, 1/s, and b
+    numbers : a, 1/s, and b, 1/rad
     """
     a, b = numbers
     return f"{a:.3g} {'-' if b < 0 else '+'} {abs(b):.3g} ‖ω‖"

@@ -363,7 +363,7 @@ def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rota
 
     Parameters
     ----------
-    tensor : tensor about the com, body axes, (3, 3); a factor has no effect
+    tensor : tensor about the com, body axes, (3, 3); multiplying it by a factor has no effect
     omega : angular velocity at the start, body axes, rad/s, (3,)
     times : s, (n,)
     """

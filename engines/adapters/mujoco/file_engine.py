@@ -73,7 +73,7 @@ def _of_urdf(users: UsersLink) -> Any:
 
 
 def _of_mjcf(users: UsersLink) -> Any:
-    """Return the compiled model of a link of an MJCF, without the children that joints move.
+    """Return the compiled model of a link of an MJCF, with the welded links that the scene names.
 
     The file's compiler settings and defaults apply to it.
     """

@@ -227,7 +227,7 @@ class _Timed:
         Parameters
         ----------
         short : CPU time of a stretch of `WARM_UP` steps, s
-        seconds : CPU time of a stretch of `steps` steps, s
+        seconds : CPU time of a stretch of `self.steps` steps, s
         """
         a_step = max(0.0, seconds - short) / (self.steps - WARM_UP)
         a_call = max(0.0, short - WARM_UP * a_step)

@@ -139,8 +139,9 @@ def _thinned(intervals: int, turn: float) -> int:
     """Return the power of two m for which a ladder is sampled at every m-th sample of the window.
 
     It is the smallest m for which a ladder that begins with one step between used samples has
-    `MIN_RUNGS` rungs of at most `MAX_STEPS` steps. A smaller m is returned where with this m the
-    body would turn by more than `COARSEST_TURN` between two used samples.
+    `MIN_RUNGS` rungs of at most `MAX_STEPS` steps. If with this m the body would turn by more than
+    `COARSEST_TURN` between two used samples, the largest smaller m with which it does not is
+    returned, but at least 1.
 
     Parameters
     ----------

@@ -362,6 +362,7 @@ def _difference(
 
     Parameters
     ----------
+    first, second : the motions, with snapshots after the same numbers of steps
     states : function that returns the states in snapshots
     ulp : relative spacing of the engine's floating-point numbers
     """
@@ -419,7 +420,9 @@ def _degrees(first: State, second: State) -> float:
 
 
 def _mujoco(scenario: Scenario, method: Method, timestep: float) -> tuple[str, float]:
-    """Return a MuJoCo method of similar order, and the wall time of a step of it on one core, s.
+    """Return MuJoCo's name with a method of similar order, and the wall time of its step, s.
+
+    One world is stepped on one core.
 
     Parameters
     ----------

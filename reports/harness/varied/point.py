@@ -81,7 +81,10 @@ def not_run(
 
 
 def _timestep(base: Scenario, point: EnsemblePoint, engine: Engine) -> float:
-    """Return the timestep of a run that was not made, s; 0 if it cannot be determined."""
+    """Return the timestep of a run that was not made, s; 0 if the run has none.
+
+    It has none if the member is no valid scene, or if the engine's stock timestep is refused.
+    """
     if point.timestep is not None:
         return point.timestep
     try:
