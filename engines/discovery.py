@@ -101,7 +101,7 @@ def _offered(value: str, point: str) -> list[Engine | Missing]:
     """Return the engines that a module defines or finds, usable or not.
 
     If an entry point names something else than a module with engines, the list has one `Missing`
-    that says so. Errors of importing the module are not caught.
+    with this reason. Errors of importing the module are not caught.
 
     Parameters
     ----------

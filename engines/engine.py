@@ -193,7 +193,7 @@ class Engine(Adapted, ABC):
 
         Parameters
         ----------
-        left_in : passes or parts of the engine, named as by `Engine.left_out`, that `open` leaves
+        left_in : parts of a model or of a step, named as by `Engine.left_out`, that `open` leaves
             out and that are left in here, so that their cost can be measured
         defaults : the engine's defaults that act, named as by `Engine.defaults`; None for those
             that act in the method anyway
@@ -215,7 +215,7 @@ class Engine(Adapted, ABC):
         return ""
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:  # noqa: ARG002
-        """Return the names of the engine's passes or parts that `open` leaves out.
+        """Return the names of the parts of a model or of a step that `open` leaves out.
 
         The scene does not call for them: they would cost time, but not change the motion.
         """

@@ -46,15 +46,15 @@ WRONG_AT_ANY_TIMESTEP: frozenset[Cause] = ENVIRONMENTAL | frozenset(
 
 @dataclass(frozen=True)
 class Fault:
-    """What is bad about a state of a run.
+    """What is wrong with a state of a run.
 
-    A check of several states gives the first that is bad in this way.
+    A check of several states finds the first state that is wrong in this way.
 
     Attributes
     ----------
     index : index of the state among those that were checked
-    cause : what is bad about the state, in one word
-    reason : what is bad about the state, in a sentence
+    cause : what is wrong with the state, in one word
+    reason : what is wrong with the state, in a sentence
     """
 
     index: int

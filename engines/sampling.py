@@ -101,10 +101,11 @@ def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
 
 
 def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]:
-    """Take the steps of a block; return its snapshots, and how it ended, without states yet.
+    """Take the steps of a block; return its snapshots, and a `Sampled` without states yet.
 
-    `strides` has the number of steps to take before each snapshot. If the engine stopped, there are
-    fewer snapshots than strides. `OSError` and `MemoryError` are not caught.
+    `strides` has the number of steps to take before each snapshot. The `Sampled` says how the block
+    ended. If the engine stopped, there are fewer snapshots than strides. `OSError` and
+    `MemoryError` are not caught.
     """
     snapshots: list[Any] = []
     try:
@@ -126,7 +127,7 @@ def _read(session: Session, strides: Sequence[int]) -> tuple[list[Any], Sampled]
 
 
 def _blown_up(session: Session) -> Cause:
-    """Return the cause by which the state that an engine stopped at is invalid; empty if valid."""
+    """Return, in one word, why the state at which an engine stopped is invalid; empty if valid."""
     try:
         session.check()
         state = session.read_state()

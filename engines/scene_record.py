@@ -101,7 +101,7 @@ class RecordFrame:
 
     @cached_property
     def _axes_after(self) -> FloatArray:
-        """The matrix M, (4, 4), that takes the body's attitude q to the record axes', q M."""
+        """The matrix M, (4, 4), with q M the attitude of the record's axes if the body's is q."""
         return times(self.body_from_axes.as_quat(scalar_first=True))
 
     @cached_property

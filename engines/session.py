@@ -16,7 +16,7 @@ class Session(Adapted, ABC):
     """A scene loaded in an engine: set to its start, ready to step.
 
     Most adapters implement the abstract methods alone. If reading a state takes as long as a step,
-    an adapter can override `snapshot` to return raw readings, `states` to convert many of them at
+    an adapter can override `snapshot` to return raw numbers, `states` to convert many snapshots at
     once, and `record`.
 
     Raises

@@ -18,8 +18,8 @@ DRIVE = 2.0**50
 def drive(rotor: Any) -> float:
     """Return the armature of a rotor's hinge, kg m²: 0 if the hinge is not driven.
 
-    An armature is an inertia that resists changes of the spin. That of a driven hinge is so large
-    that the spin stays constant.
+    `rotor` is the rotor's entry in the scene's record. An armature is an inertia that resists
+    changes of the spin. That of a driven hinge is so large that the spin stays constant.
     """
     return DRIVE * float(rotor["inertia"][1]) if rotor["hinge"] == "driven" else 0.0
 

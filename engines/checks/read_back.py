@@ -16,9 +16,9 @@ from ..fault import Cause
 READ_BACK_SLACK = 1e-12
 #: The same for engines in single precision.
 READ_BACK_SLACK_SINGLE = 1e-5
-#: Part of the relative tolerance that is also allowed of m |com|², when tensors are compared: an
-#: engine may hold the tensor about the body's origin, where m |com|² is added, and rounds it there.
-#: It is 4 of the 4 500 ulp that `READ_BACK_SLACK` is in double precision.
+#: Fraction of m |com|² that is added to a tensor's size, of which the relative tolerance is taken:
+#: an engine may hold the tensor about the body's origin, where m |com|² is added, and rounds it
+#: there. In double precision this allows 4 ulp of m |com|²: `READ_BACK_SLACK` is 4 500 ulp.
 OF_ORIGIN = 2.0**-10
 
 

@@ -101,6 +101,10 @@ def parts_of(body: Body, parts: Parts) -> tuple[Part, ...]:
 
     Parts that share the mass lie on the principal axis of the least moment, along which the body is
     longest. So the tensor of each part is physically possible.
+
+    Parameters
+    ----------
+    parts : into which parts the body is divided, as in `Description.parts`
     """
     with mp.workdps(DIGITS):
         if parts == "one":

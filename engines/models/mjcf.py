@@ -268,8 +268,8 @@ def _actuator(
     ----------
     transmission : MuJoCo's name of the transmission, which tells the axes that `axis` refers to
     axis : vector along the torque; its length multiplies the torque
-    constant : N m
-    per_velocity : N m s
+    constant : the part of the torque that does not depend on ω, N m
+    per_velocity : the factor of ω·axis in the torque, N m s
     """
     # The first three numbers of a free joint's gear are those of a force.
     is_free = scenario.constraint.is_free

@@ -148,7 +148,7 @@ def cause(
 ) -> tuple[str, str]:
     """Return why an engine's body is not the file's, in a word and in a sentence.
 
-    The word is "zero" if the tensor was set to zero, "no tensor" if the file states only a mass,
+    The word is "zero" if the engine's tensor is zero, "no tensor" if the file states only a mass,
     "made up" if the engine does not take tensors from the file, "rotation lost" if it ignores the
     rotation of the inertial frame, "turned" if only the principal axes differ, "products dropped"
     if it ignores products of inertia, or "other".

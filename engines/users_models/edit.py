@@ -21,14 +21,14 @@ def elements_of(model: ModelFile) -> dict[Span, Element]:
 
 
 def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark: str = "") -> Edits:
-    """Return the edits of a file that make a link state a given body.
+    """Return the edits of a file that give a link the mass, com and tensor of a body.
 
     The tensor is written along the link's axes.
 
     Parameters
     ----------
     element : the element of the link
-    body : mass, com and tensor that the link shall state
+    body : the mass, com and tensor, in the link's frame
     remark : text of an XML comment before the link's inertial; no comment if empty
     """
     comment = f"<!-- {remark} -->".encode() if remark else b""
@@ -48,7 +48,7 @@ def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark:
 
 
 def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
-    """Return the edits of a URDF that make an `<inertial>` state a given body."""
+    """Return the edits of a URDF that give an `<inertial>` the mass, com and tensor of a body."""
     mass, tensor = inertial.only("mass"), inertial.only("inertia")
     assert mass is not None, "the file was read"
     assert tensor is not None, "the file was read"
@@ -68,12 +68,14 @@ def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
 
 
 def inertial_line(body: BodyReading, form: str = "urdf") -> str:
-    """Return an `<inertial>` that states a body, with its tensor along the link's axes.
+    """Return an `<inertial>` element with a body's mass, com and tensor of inertia.
 
-    Without a rotation every engine reads it alike.
+    The tensor is given along the link's axes, without a rotation of the inertial frame, because
+    some engines ignore such a rotation.
 
     Parameters
     ----------
+    body : the body, in the link's frame
     form : format of the file, "urdf" or "mjcf"
     """
     if form == "mjcf":
@@ -88,7 +90,7 @@ def inertial_line(body: BodyReading, form: str = "urdf") -> str:
 
 
 def _of_mjcf(body: BodyReading) -> dict[str, str]:
-    """Return the attributes of an MJCF's `<inertial>` that state a body.
+    """Return the attributes of an MJCF's `<inertial>` with a body's mass, com and tensor.
 
     A tensor of zeros is written as `diaginertia`, since MuJoCo refuses it as `fullinertia`.
     """
@@ -98,7 +100,7 @@ def _of_mjcf(body: BodyReading) -> dict[str, str]:
 
 
 def _entries(body: BodyReading) -> dict[str, float]:
-    """Return the entries of the tensor about the com, kg m², in MJCF's order, by names as "xy"."""
+    """Return the entries of the tensor about the com, kg m², in MJCF's order, by name, as "xy"."""
     tensor = body.inertia_com
     order = ("xx", "yy", "zz", "xy", "xz", "yz")
     return {axes: float(tensor["xyz".index(axes[0]), "xyz".index(axes[1])]) for axes in order}

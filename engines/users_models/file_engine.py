@@ -135,8 +135,8 @@ class FileEngine(Engine):
     ) -> list[Difference]:
         """Return the differences of the engine's body and start from the scene's.
 
-        Differences of mass, com and inertia are joined into one, in the words of the command
-        `inspect`.
+        Differences of mass, com and inertia are joined into one `Difference`, which is worded as by
+        the command `inspect`.
         """
         differing = super().differences(scenario, method, body, state)
         others = [one for one in differing if one.what not in OF_BODY]

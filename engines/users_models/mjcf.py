@@ -282,7 +282,7 @@ def _by_quat(values: FloatArray, _: Compiler) -> Rotation:
 def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
     """Return the rotation about an axis, three numbers, by an angle, the fourth.
 
-    The angle is in degrees if the compiler says so, else in rad.
+    The angle is in degrees if `compiler.degrees` is true, else in rad.
     """
     turn = np.fmod(values[3], 360.0 if compiler.degrees else 2 * np.pi)
     return Rotation.from_rotvec(_unit(values[:3]) * turn, degrees=compiler.degrees)
@@ -291,8 +291,9 @@ def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
 def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
     """Return the rotation by three Euler angles about the axes of `Compiler.eulerseq`.
 
-    The angles are in degrees if the compiler says so, else in rad. A small letter is an axis of the
-    frame as the earlier rotations have turned it, a capital letter an axis of the parent frame.
+    The angles are in degrees if `compiler.degrees` is true, else in rad. A small letter is an axis
+    of the frame as the earlier rotations have turned it, a capital letter an axis of the parent
+    frame.
     """
     total = Rotation.identity()
     for letter, angle in zip(compiler.eulerseq, values, strict=True):

@@ -29,7 +29,7 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
     Raises
     ------
     ModelFileError
-        If the file cannot be read, or engines would not read it alike.
+        If the file cannot be read, or engines would read different values from it.
     """
     path = Path(path)
     named = tuple((name, folder.absolute()) for name, folder in packages)
@@ -70,7 +70,7 @@ def _scaled(robot: Element) -> list[str]:
 
 
 def _missing_meshes(links: tuple[Link, ...], folders: Folders, path: Path) -> list[str]:
-    """Return a note if collision meshes are not inside the model's folders, else an empty list.
+    """Return a list with a note if the model's folders lack collision meshes; else an empty list.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ def _check_tree(
 
 
 def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Link:
-    """Return the link that an element states.
+    """Return the link that a `<link>` element describes.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def _pose(element: Element) -> Pose:
 
 
 def _shape(element: Element) -> Shape:
-    """Return the shape that a `<collision>` or `<visual>` states."""
+    """Return the shape that a `<collision>` or `<visual>` element describes."""
     geometry = element.only("geometry")
     solid = geometry.children[0] if geometry is not None and geometry.children else None
     mesh = solid.attributes.get("filename") if solid is not None else None
@@ -195,7 +195,7 @@ def with_meshes(
     -------
     data : the file without visual parts, and without collision shapes whose mesh is missing, lies
         outside the model's folders, or is not kept
-    meshes : contents of the mesh files, by their new names
+    meshes : contents of the mesh files, by the names that they have in the returned URDF
 
     Raises
     ------
@@ -210,16 +210,20 @@ def with_meshes(
 def body_alone(
     model: ModelFile, body: RigidBody, endings: Collection[str] | None = None
 ) -> tuple[bytes, dict[str, bytes]]:
-    """Return a URDF of one body: its links, and the joints between them, are cut out verbatim.
+    """Return a URDF of one rigid body: its links and the joints between them, cut out of a model.
+
+    Their text stays as it is, with three exceptions: visual shapes are removed, and so are
+    collision shapes whose mesh is not kept; and kept meshes get new names.
 
     Parameters
     ----------
     model : the model from which the body is cut out
-    endings : file endings of the collision meshes that are kept; if None, no shapes are kept
+    endings : file endings of the collision meshes that are kept; if None, all shapes are removed
 
     Returns
     -------
-    The bytes of the URDF; and the contents of the mesh files, by their new names
+    The bytes of the URDF; and the contents of the kept mesh files, by the names that they have in
+    the URDF
 
     Raises
     ------

@@ -1,9 +1,9 @@
 """Reads XML as a tree whose elements know their line and place in the file; DTDs are refused.
 
-It uses expat directly. Messages need the positions of elements, and so does cutting a link out
-verbatim, but ElementTree and the parsers built on it or on lxml (yourdfpy, urdf_parser_py) do not
-keep them. Only numbers that every engine reads alike are accepted: PyBullet reads `0,5` as 0, some
-engines take `1_0` for 10, and MuJoCo and PyBullet load a mass of `nan`.
+It uses expat directly. The positions of elements are needed for messages, and to copy the text of a
+link unchanged, but ElementTree and the parsers built on it or on lxml (yourdfpy, urdf_parser_py) do
+not keep them. Only numbers that all engines read as the same value are accepted: PyBullet reads
+`0,5` as 0, some engines take `1_0` for 10, and MuJoCo and PyBullet load a mass of `nan`.
 """
 
 import re
@@ -22,7 +22,7 @@ _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
 class ModelFileError(ValueError):
-    """A model file cannot be read, or engines would not read it alike.
+    """A model file cannot be read, or engines would read different values from it.
 
     The message names the file and, if possible, the line, the element and the rule that it breaks.
     """

@@ -20,7 +20,7 @@ class Choice:
     methods : names of the methods that are run; if empty, all that an engine offers for a scene
     timesteps : the timesteps of the runs, s; if empty, the ladder is run
     max_steps : a ladder ends before a run would take more steps than this
-    timed : whether steps are timed
+    timed : whether the cost of a step of each method is measured
     hard_in_passing : whether hard scenes are not timed, and a run of their ladders takes at most
         `QUICK_STEPS` steps, as in a quick study: few steps show which methods blow up
     time_limit : CPU time that a run may take, s; if None, the default of the executor

@@ -183,8 +183,13 @@ class ConvergenceStudy:
     def compare(self, planned: PlannedRun, answer: Answer[Run]) -> Row:
         """Compare a run with the exact motion, and return its row.
 
-        Defects are added to the row if the run is at a single or stock timestep. The motion of a
-        run above the ladder is left out if the ladder has rows.
+        Defects are added to the row if the run is at a stock timestep, or at one that a user or an
+        expectation names. The motion of a run above the ladder is left out if the ladder has rows.
+
+        Parameters
+        ----------
+        planned : the run as it was planned
+        answer : the run, or why the call that should make it failed; and what the engine printed
         """
         row = compared(
             self.scenario,
@@ -239,7 +244,7 @@ class ConvergenceStudy:
 
     @property
     def _stock_left(self) -> list[StockRun]:
-        """The runs at stock timesteps without a row so far; none if no timestep can succeed."""
+        """The runs at stock timesteps without a row so far; none if no run can succeed."""
         return (
             []
             if self._is_hopeless

@@ -49,7 +49,7 @@ class Plan:
         return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
 
     def __str__(self) -> str:
-        """Return in words how many verdicts are stored, and how many outdated; empty if neither."""
+        """Return in words how many verdicts are stored, and how many outdated; else nothing."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
         counts = [f"{self.there} of {verdicts} verdicts are stored already"] if self.there else []
         if self.outdated:
@@ -90,7 +90,7 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
 def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:
     """Return the stored verdicts on a scene, for `choice.timesteps`, that need not be made again.
 
-    Those on a method are left out if one of its failed runs may succeed when it is made again
+    A method's verdict is left out if one of its failed runs may succeed when it is made again
     (`may_succeed_if_repeated`), or if its ladder ended at a lower step limit than the present one.
     """
     to_repeat = {
@@ -128,6 +128,7 @@ def can_be_timed(scenario: Scenario, pair: EngineMethod, verdict: Verdict | None
 
     Parameters
     ----------
+    pair : the engine and the method
     verdict : the stored verdict; None if there is none
     """
     engine, method = pair

@@ -36,7 +36,7 @@ class Prepared:
     places: Places | None = None
 
     def for_verdicts(self) -> "Prepared":
-        """Return a copy without the timesteps above the ladder, which only reports need."""
+        """Return a copy without the timesteps longer than the ladder's, which only reports need."""
         return replace(self, ladder=replace(self.ladder, above=()))
 
 
@@ -51,7 +51,8 @@ class SceneReference:
     def get(self, executor: Executor, store: Store) -> Prepared | CallFailed:
         """Return the exact motion; or the failure, if it cannot be found.
 
-        The first call solves and stores it. Later calls return the same.
+        The first call solves it, and stores it if it is found. Later calls return the same motion
+        or failure.
         """
         with self._solving:
             if self._solved is None:
@@ -96,7 +97,7 @@ def prepare(
         If one of `timesteps` is at least twice the window, or so short that a run would take more
         than `MOST_STEPS` steps.
     IntegrationError
-        If the exact motion cannot be found.
+        If the exact motion cannot be found, or is not known beyond its start.
     """
     exact = ExactMotion(scenario)
     outline = exact.outline(scenario.times)

@@ -80,6 +80,10 @@ def study_method(
 
     Stored runs that suffice are not made again. If the exact motion cannot be found, the verdict is
     `failed`.
+
+    Parameters
+    ----------
+    reference : the scene's exact motion, which all methods share; it is solved if it is not yet
     """
     key = Key(scenario.name, engine.name, method.name)
     solved = reference.get(executor, store)
@@ -110,7 +114,7 @@ def study_method(
 
 
 def _run_with_some_defaults(study: ConvergenceStudy, executor: Executor, store: Store) -> None:
-    """Make and store runs with different sets of an engine's defaults, to find what each changes.
+    """Make and store runs with different sets of an engine's defaults, to find what each does.
 
     A default is something that the engine does to motions unless it is told not to, such as
     damping. The sets are: none of the defaults, each of them alone, and all but one, for each.
@@ -208,6 +212,7 @@ def convergence_study_of(
 
     Parameters
     ----------
+    prepared : the exact motion and the timesteps of all runs on the scene
     timesteps : the timesteps asked for, s. If there are any, runs are made only at these, and at
         timesteps with expectations; else at those with expectations, on the ladder, and at stock
         timesteps
@@ -234,7 +239,7 @@ def convergence_study_of(
 
 
 def simulate(engine: Engine, scenario: Scenario, method: str, rung: Rung) -> Run:
-    """Return one run of a method, made in this process."""
+    """Return a run of a method at the timestep and the samples of a rung, made in this process."""
     return engine.run(scenario, engine.method(method), rung.timestep, rung.sample_steps)
 
 
@@ -275,9 +280,9 @@ def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
 def _verdict_of_unsolved(
     key: Key, engine: Engine, failure: CallFailed, choice: Choice, store: Store
 ) -> Verdict:
-    """Return the verdict that the exact motion could not be found.
+    """Return a `failed` verdict, which says that the exact motion could not be found.
 
-    It is stored, together with a row that says the same.
+    The verdict is stored, and so is a row with the same reason.
     """
     reason = f"the exact motion could not be found: {failure.reason}"
     store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure)))

@@ -73,7 +73,12 @@ def _slowed(numbers: Sequence[float]) -> str:
 
 
 def _decays(numbers: Sequence[float]) -> str:
-    """Return the words for a rate at which L decays, a + b ‖ω‖, 1/s; `numbers` are a and b."""
+    """Return the words for the rate a + b ‖ω‖, 1/s, at which the angular momentum decays.
+
+    Parameters
+    ----------
+    numbers : a, 1/s, and b, 1/rad
+    """
     a, b = numbers
     return f"{a:.3g} {'-' if b < 0 else '+'} {abs(b):.3g} ‖ω‖"
 
@@ -175,7 +180,7 @@ def _gradient_tensor(numbers: Sequence[float]) -> str:
 
     Parameters
     ----------
-    numbers : xx − zz, yy − zz, xy, xz and yz, 1/s²
+    numbers : xx − zz, yy − zz, xy, xz and yz of the gradient, 1/s²
     """
     xx, yy, xy, xz, yz = numbers
     sizes, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, 0.0]])

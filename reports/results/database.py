@@ -85,6 +85,7 @@ class Database:
 
         Parameters
         ----------
+        table : name of the table
         where, order : the condition, and what the records are sorted by, in SQL
         values : values of the condition's parameters, its question marks
 
@@ -106,7 +107,13 @@ class Database:
 
 
 def put(connection: sqlite3.Connection, table: str, record: Mapping[str, Any]) -> None:
-    """Write a record, with its checksum, into a table; a record with the same key is replaced."""
+    """Write a record, with its checksum, into a table; a record with the same key is replaced.
+
+    Parameters
+    ----------
+    table : name of the table
+    record : the values of the record, by column
+    """
     written = {n: shown(value) if isinstance(value, str) else value for n, value in record.items()}
     written[CHECKSUM] = checksum(table, written)
     columns = ", ".join(f'"{name}"' for name in written)

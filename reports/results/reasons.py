@@ -120,7 +120,7 @@ def _open(steps: StepEvidence) -> str:
 
 
 def fault_in_words(fault: StepFault) -> str:
-    """Return a fault of single steps in words: what explains it, if known, and how steps differ."""
+    """Return a fault of single steps in words: what explains it, if known, and what is wrong."""
     as_if = " and ".join(change.words for change in fault.changes)
     return f"behaves as if {as_if}: {_shown(fault)}" if as_if else _shown(fault)
 
@@ -161,7 +161,7 @@ def _shown(fault: StepFault) -> str:
 
 
 def _when(fault: StepFault) -> str:
-    """Return, in words, at which state steps differ: its time, or how it was made."""
+    """Return, in words, the state from which steps are wrong: its time, or how it was made."""
     if fault.time is None:
         return "at the start with ω along a skew axis"
     return f"at t = {fault.time:.3g} s"

@@ -80,7 +80,7 @@ class Results:
 
 
 def _place(row: Row) -> tuple[object, ...]:
-    """Return the sort key of a varied run: its names, what is varied in it, and its timestep.
+    """Return the sort key of a varied run: scene, engine, method, what is varied, and timestep.
 
     Varied numbers are sorted as numbers, other values as texts; long timesteps come first.
     """

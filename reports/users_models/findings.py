@@ -84,9 +84,10 @@ def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
 
 
 def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
-    """Return the readings that differ from the file, each with the name of its link.
+    """Return each link that an engine holds otherwise than the file states, with the link's name.
 
-    They are in the order of the file's links.
+    A link is given as one configuration of an engine holds it. The order is that of the file's
+    links.
     """
     return [
         (reading, link.link.name)
@@ -127,7 +128,7 @@ def _apart(reading: LinkReading) -> str:
 
 
 def badness(reading: LinkReading) -> tuple[float, float]:
-    """Return how wrong a reading is, as a sort key of two numbers.
+    """Return how wrong an engine's body is, as a sort key of two numbers.
 
     The first is the largest angle between the attitudes of the file's and the engine's body,
     degrees, and the second is the largest relative difference of these bodies. A body for which the
@@ -161,8 +162,8 @@ def problems_of(inspection: Inspection, *, impossible: bool) -> list[Finding]:
 def composed_bodies(inspection: Inspection) -> list[Finding]:
     """Return a finding on each body that consists of links welded together.
 
-    It states the body's mass and principal moments; or, if the inertia of some link is computed
-    from its shapes, that it was not read.
+    It states the body's mass and principal moments. If the shapes of some link determine its
+    inertia, it states instead that this inertia was not read.
     """
     lines = []
     for body in inspection.composed:

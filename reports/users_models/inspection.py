@@ -284,6 +284,7 @@ def _compared(
     ----------
     bodies : the engine's bodies, by the names of the links
     who : names of engine, version and configuration
+    configuration : the engine's configuration
     """
     wholes = rigid_bodies(model.links, {link.name for link in model.links} - set(bodies))
     hosts = {part.name: body for body in wholes for part, _ in body.parts}
@@ -310,6 +311,7 @@ def _link_reading(
     whole : the link with those that the engine has fused with it, as the file states them
     got : the engine's body
     who : names of engine, version and configuration
+    configuration : the engine's configuration
     """
     stated, others = whole.stated, tuple(link.name for link, _ in whole.parts[1:])
     if stated is None:
@@ -361,7 +363,7 @@ def _attitudes(tensor: FloatArray, omega: FloatArray, times: FloatArray) -> Rota
 
     Parameters
     ----------
-    tensor : tensor about the com, body axes, (3, 3); a factor has no effect
+    tensor : tensor about the com, body axes, (3, 3); multiplying it by a factor has no effect
     omega : angular velocity at the start, body axes, rad/s, (3,)
     times : s, (n,)
     """

@@ -81,7 +81,8 @@ Plan = dict[str, tuple[BodyReading | None, str]]
 def mended(inspection: Inspection, wishes: Wishes) -> Mended:
     """Return the model with corrected inertias, whose tensors are written along the links' axes.
 
-    All else in the file stays as it is.
+    Two settings are removed: Bullet's `inertia_scaling`, and MuJoCo's `inertiafromgeom="true"` if
+    all bodies that need it get a stated inertia. All else in the file stays as it is.
 
     Parameters
     ----------

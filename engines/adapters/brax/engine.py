@@ -96,7 +96,7 @@ class Brax(WorldEngine):
     )
 
     def open_batch(self, scenarios: Sequence[Scenario], method: Method, timestep: float) -> Batch:
-        """Open a batch with a world for each scene; the MJCF of equal scenes is compiled once."""
+        """Open a batch with a world for each scene; the model of equal scenes is compiled once."""
         module = import_module(f"{__package__}.world")
         worlds = {
             scenario: module.World(scene_record(scenario), method.name, timestep)

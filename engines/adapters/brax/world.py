@@ -281,7 +281,7 @@ def stepped_all(pipeline, systems, states, count):
 
 
 def stacked(trees):
-    """Return one tree for several that differ only in numbers: each array has a row for each."""
+    """Return trees that differ only in numbers as one, whose arrays have a row for each tree."""
     return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
 
 

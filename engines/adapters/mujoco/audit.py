@@ -275,7 +275,7 @@ def _rests(model: Any, scenario: Scenario) -> bool:
 
 
 def _idle_passes(model: Any) -> frozenset[str]:
-    """Return descriptions of the passes that are on although nothing in the model needs them."""
+    """Return descriptions of the parts of a step that are on although nothing needs them."""
     needed = {"gravity"} | CONTACT_CHOICES
     needed |= {"damper", "eulerdamp"} if _joint_damping(model).any() else set()
     needed |= {"actuation"} if model.nu else set()
@@ -289,5 +289,5 @@ def _idle_passes(model: Any) -> frozenset[str]:
 
 
 def _is_on(model: Any, name: str) -> bool:
-    """Whether the pass whose flag has a given name is on; a pass without a flag is always on."""
+    """Whether the pass (part of a step) with a flag of a given name is on; true without a flag."""
     return not model.opt.disableflags & disabling().get(name, 0)

@@ -27,7 +27,7 @@ TURNING = 3
 
 
 def one_body(model: Any, body: int) -> BodyReading:
-    """Return one body of a compiled model, without its children, in its own axes.
+    """Return one body of a compiled model, without the bodies attached to it, in its own axes.
 
     `body` is the body's index in the model.
     """

@@ -159,7 +159,7 @@ class MuJoCo(Engine):
         defaults: Collection[str] | None = None,  # noqa: ARG002
         description: Description = PLAIN,
     ) -> MuJoCoSession:
-        """Open a scene with passes left in, or with another description of the body.
+        """Open a scene with unneeded parts of a step left in, or another description of the body.
 
         `Engine.open_with` describes the parameters; `defaults` is ignored. `left_in` is ignored for
         a method as shipped, which leaves in all passes. It is also ignored if the description has
@@ -197,7 +197,7 @@ class MuJoCo(Engine):
         return run_script(world, made, _STATE, "mujoco.mj_step(model, data, count)")
 
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
-        """Return the names of the passes that a method switches off, and `CLOCK`.
+        """Return the names of the passes (parts of a step) that a method switches off, and `CLOCK`.
 
         `CLOCK`, the clock that MuJoCo reads in every step, is named only if MuJoCo's package
         installs one. The tuple is empty for a method as shipped. In a method with a contact the
@@ -255,7 +255,7 @@ def _alone(scenario: Scenario, method: Method) -> Scenario:
 
 
 def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
-    """Return MuJoCo's names of the passes that a method does not need to simulate a scene."""
+    """Return MuJoCo's names of the parts of a step that a method does not need for a scene."""
     needed = PASSES if _is_by_contact(method) else ()
     return tuple(name for name in switched_off(_alone(scenario, method)) if name not in needed)
 

@@ -43,7 +43,8 @@ class MuJoCoFile(FileEngine):
     def open(self, scenario: Scenario, method: Method, timestep: float) -> MuJoCoSession:
         """Return a session of the scene's link alone, on a free joint, at the scene's start.
 
-        Gravity is the scene's; passes that the scene does not need are switched off.
+        Gravity is the scene's; passes (parts of a step) that the scene does not need are switched
+        off.
         """
         check_not_too_small(scenario)
         model = copy(_model(users_link(scenario)))
@@ -72,7 +73,7 @@ def _of_urdf(users: UsersLink) -> Any:
 
 
 def _of_mjcf(users: UsersLink) -> Any:
-    """Return the compiled model of a link of an MJCF, without the children that joints move.
+    """Return the compiled model of a link of an MJCF, with the welded links that the scene names.
 
     The file's compiler settings and defaults apply to it.
     """

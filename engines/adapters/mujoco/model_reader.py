@@ -55,7 +55,10 @@ class MuJoCoModelReader(ModelReader):
         return str(mujoco.mj_versionString())
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Compile a file; return its bodies by their names, each without its children."""
+        """Compile a file; return its bodies, by the names of their links.
+
+        A body is returned without the children that hang on it.
+        """
         try:
             # A temporary current folder, because MuJoCo writes a log of its warnings there.
             with tempfile.TemporaryDirectory() as folder, chdir(folder):

@@ -34,7 +34,7 @@ class PortSession(CoordinateSession):
         Its other methods are `advance(steps)`, `restart(qpos, qvel)`, `set_timestep(timestep)`, and
         `motions(places)`, which returns qpos and qvel, a row for each world whose index is in
         `places`
-    always_on : MuJoCo's names of passes that the port cannot switch off
+    always_on : MuJoCo's names of passes (parts of a step) that the port cannot switch off
     """
 
     def __init__(
@@ -112,13 +112,13 @@ class PortBatch(WorldBatch):
 def left_in(
     scenario: Scenario, integrator: str | None, always_on: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """Return MuJoCo's names of the passes that stay on although the scene does not need them.
+    """Return MuJoCo's names of the parts of a step that stay on without need.
 
     Parameters
     ----------
-    integrator : MuJoCo's name of the integrator; None for a port as shipped, in which all passes
+    integrator : MuJoCo's name of the integrator; None for a port as shipped, in which all parts
         stay on
-    always_on : passes that the port cannot switch off, which stay on in any other method
+    always_on : parts that the port cannot switch off, which stay on in any other method
     """
     return switched_off(scenario) if integrator is None else always_on
 

@@ -6,7 +6,7 @@ import mujoco
 
 
 def disable(model, passes):
-    """Switch off passes in a compiled model.
+    """Switch off passes, which are parts of a step, in a compiled model.
 
     `passes` has MuJoCo's names of the flags that disable them. If several passes share a flag, it
     is set only if all of them are to be off. Flags that this version lacks are skipped.
@@ -20,7 +20,7 @@ def disable(model, passes):
 
 @cache
 def disabling():
-    """Return the bits of MuJoCo's flags that disable passes, by name."""
+    """Return the bits of MuJoCo's flags that disable passes (parts of a step), by name."""
     bits = flags(mujoco.mjtDisableBit, "mjDSBL_")
     # Up to 3.3.0 the passes for springs and dampers share one flag.
     passive = bits.pop("passive", 0)

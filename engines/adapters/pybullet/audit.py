@@ -45,7 +45,10 @@ def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) 
 
 
 def _engine(world: World, scenario: Scenario) -> set[str]:
-    """Return a set: "gravity" if it acts as in the scene, and words on settings that differ."""
+    """Return a set: "gravity" if it acts as in the scene, and words on other settings.
+
+    The words describe real-time stepping, and a gravity that is not the scene's.
+    """
     engine = p.getPhysicsEngineParameters(world.client)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
     acting = {"real-time stepping"} if engine["useRealTimeSimulation"] else set()

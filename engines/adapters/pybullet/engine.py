@@ -136,7 +136,7 @@ class PyBullet(Engine):
         defaults: Collection[str] | None = None,
         description: Description = PLAIN,
     ) -> Session:
-        """Open a scene with parts left in, with given defaults, or with another description.
+        """Open a scene with unneeded parts left in, with given defaults, or another description.
 
         `Engine.open_with` describes the parameters. A body that is described by its shape is a
         collision box, from which PyBullet computes the inertia: only this default is then kept. The

@@ -70,7 +70,7 @@ def load(
     ------
     UnsupportedError
         If PyBullet would take a mass, a moment or an inverse mass of the body for zero; this is not
-        checked as shipped.
+        checked for a method as shipped.
     EngineError
         If PyBullet cannot load the body.
     OSError

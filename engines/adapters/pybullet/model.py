@@ -103,12 +103,13 @@ class Model:
         return self.states(rows).rows(0)
 
     def states(self, rows: FloatArray) -> State:
-        """Return the states of n readings, in the scene's body axes.
+        """Return n states, in the scene's body axes, given the numbers that PyBullet returns.
 
         Parameters
         ----------
-        rows : a reading in each row, (n, 13 + rotors): com of the link, attitude of the principal
-            axes (x y z w), velocity and ω in world axes, and spins of rotors that are not locked
+        rows : the numbers of a state in each row, (n, 13 + rotors): com of the link, attitude of
+            the principal axes (x y z w), velocity and ω in world axes, and spins of rotors that are
+            not locked
         """
         com_world, q_wxyz = rows[:, :3], rows[:, (6, 3, 4, 5)]
         velocity_world, omega_world = rows[:, 7:10], rows[:, 10:13]

@@ -50,8 +50,8 @@ class Defects:
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
         """Return the statistics of the defects, by the name of the signal.
 
-        The floor of the defects, which rounding may cause, grows as the root of the number of steps
-        in an interval, like a random walk.
+        The floor of a signal's defects, up to which rounding may cause them, grows as the root of
+        the number of steps in an interval, like a random walk.
 
         Parameters
         ----------

@@ -144,6 +144,8 @@ def unmet_expectations(
 
     Parameters
     ----------
+    expected : an expectation of the scene for this run
+    row : the run's row
     exact : the exact motion at the run's own sample times
     """
     at = f"at {row.timestep:g} s"
@@ -175,7 +177,7 @@ def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: floa
 
 
 def _in_unit(name: str, size: float) -> str:
-    """Return the size of an error as text: `0.705° (0.0123 rad)` if an angle, else `1e-06`."""
+    """Return a signal's error as text: `0.705° (0.0123 rad)` if an angle, else as `1e-06`."""
     if SIGNAL[name].unit == "rad":
         return f"{size * SIGNAL[name].shown:.3g}° ({size:.3g} rad)"
     return f"{size:.3g}"
@@ -203,6 +205,7 @@ def no_better_than_rest(
 
     Parameters
     ----------
+    motion : the run
     exact : the exact motion at the run's own sample times
     series : the run's errors
     """

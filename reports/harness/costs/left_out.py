@@ -29,8 +29,9 @@ def with_all_left_in(
     """Return the methods that are timed a second time on a scene, with no part of a step left out.
 
     An engine's methods are grouped by the parts of a step that they leave out, as the scene does
-    not call for them. Of each group the first method is returned, and the first of the highest
-    order, which reports recommend. Each comes with a variant of its engine that leaves nothing out.
+    not call for them. Methods that leave out none are not timed again. Of each group the first
+    method is returned, and the first of the highest order, which reports recommend. Each comes with
+    a variant of its engine that leaves nothing out.
 
     Parameters
     ----------

@@ -140,7 +140,11 @@ def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCo
 
 
 def timed_timestep(scenario: Scenario) -> float:
-    """Return the timestep at which a scene's steps are timed, s."""
+    """Return the timestep at which a scene's steps are timed, s.
+
+    A step turns the body by `TIMED_TURN` at the start. If the body does not turn there, the
+    timestep is `TIMED_TURN` seconds.
+    """
     speed = float(np.linalg.norm(scenario.start.omega_body))
     return TIMED_TURN / speed if speed else TIMED_TURN
 
@@ -223,7 +227,7 @@ class _Timed:
         Parameters
         ----------
         short : CPU time of a stretch of `WARM_UP` steps, s
-        seconds : CPU time of a stretch of `steps` steps, s
+        seconds : CPU time of a stretch of `self.steps` steps, s
         """
         a_step = max(0.0, seconds - short) / (self.steps - WARM_UP)
         a_call = max(0.0, short - WARM_UP * a_step)

@@ -79,8 +79,8 @@ class Executor(ABC):
     ) -> Answer[T]:
         """Call a function in a process that looks for modules in a given folder first.
 
-        The folder has another version of an engine. An executor that has no such processes returns
-        a `CallFailed` with the cause `refused`.
+        The folder has another version of an engine. An executor that has no such processes answers
+        with a `CallFailed` of the cause `refused`.
 
         Parameters
         ----------

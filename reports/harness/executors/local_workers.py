@@ -59,9 +59,10 @@ class LocalWorkers(Executor):
         return self._slot(site).call(partial(function, *args, **kwargs))
 
     def alone(self) -> Executor:
-        """Return an executor that makes one call at a time, in the first of this one's workers.
+        """Return an executor that makes one call at a time, in one of this executor's workers.
 
-        The other workers must be idle in the meantime.
+        If there is no worker that looks for modules in the usual folders, a new one is made. The
+        other workers must be idle in the meantime.
         """
         alone = LocalWorkers(1, self._time_limit)
         with self._changing:

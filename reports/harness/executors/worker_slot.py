@@ -45,8 +45,8 @@ class WorkerSlot:
     def call(self, call: Callable[[], Any]) -> Answer[Any]:
         """Call a function in the worker process, and return the answer.
 
-        If the process is killed from outside, the call is made again, `ATTEMPTS` times in all at
-        most.
+        If the call cannot be pickled, it fails. If the process is killed from outside, the call is
+        made again, `ATTEMPTS` times in all at most.
 
         Parameters
         ----------

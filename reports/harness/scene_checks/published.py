@@ -36,7 +36,10 @@ class PublishedValue:
 
     @property
     def difference(self) -> float:
-        """The largest difference of any printed component, SI; inf unless `is_known`."""
+        """The largest difference between the two values in a printed component, SI.
+
+        It is infinite unless `is_known`.
+        """
         return float(np.nanmax(np.abs(self.ours - self.printed))) if self.is_known else np.inf
 
     @property
@@ -46,7 +49,7 @@ class PublishedValue:
 
     @property
     def holds(self) -> bool:
-        """Whether the difference is within the tolerance that the scene's file states."""
+        """Whether the two values differ by no more than the tolerance in the scene's file."""
         return self.difference <= self.published.tolerance
 
 
@@ -66,10 +69,11 @@ def published_values(scenario: Scenario) -> Iterator[PublishedValue]:
 
 
 def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
-    """Yield a sentence for each published value that differs, or cannot be compared.
+    """Yield a sentence for each published value that differs too much from the exact value.
 
-    A value differs if the difference exceeds its tolerance. It cannot be compared if the exact
-    motion is not known at its time.
+    A difference is too large if it exceeds the tolerance that the scene's file states. There is
+    also a sentence for each value that cannot be compared, as the exact motion is not known at its
+    time.
     """
     for value in published_values(scenario):
         if not value.holds:

@@ -39,7 +39,7 @@ def drifting(scenario: Scenario, solution: Solution) -> Iterator[str]:
 
 
 def _cross_check(scenario: Scenario, solution: Solution) -> Iterator[str]:
-    """Yield a sentence for each signal in which a solution by DOP853 differs by more than allowed.
+    """Yield a sentence for each signal in which DOP853 differs too much from the exact motion.
 
     The compared part of the window is halved until the error bound of DOP853 is at most `TELLING`.
     """

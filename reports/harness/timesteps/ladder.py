@@ -109,6 +109,7 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
     Parameters
     ----------
+    window : the scene's duration and number of samples
     fastest_rate : the fastest rate of the motion, rad/s
     samples : number of samples of the window at which the exact motion is known
     max_steps : largest number of steps of a run; the first `LEAST_RUNGS` rungs may take up to
@@ -135,11 +136,12 @@ def ladder(window: Window, fastest_rate: float, samples: int, max_steps: int = M
 
 
 def _thinned(intervals: int, turn: float) -> int:
-    """Return m, a power of two, if a ladder is sampled at every m-th sample of the scene's window.
+    """Return the power of two m for which a ladder is sampled at every m-th sample of the window.
 
     It is the smallest m for which a ladder that begins with one step between used samples has
-    `MIN_RUNGS` rungs of at most `MAX_STEPS` steps. A smaller m is returned where with this m the
-    body would turn by more than `COARSEST_TURN` between two used samples.
+    `MIN_RUNGS` rungs of at most `MAX_STEPS` steps. If with this m the body would turn by more than
+    `COARSEST_TURN` between two used samples, the largest smaller m with which it does not is
+    returned, but at least 1.
 
     Parameters
     ----------

@@ -75,6 +75,8 @@ STOPPED, STOPS = Apart(1, math.inf, math.inf), ", which stops all worlds"
 class BatchRow:
     """A batch of worlds of one scene: what their motions depend on, and the cost of a step.
 
+    The place of a world is its index in the batch.
+
     Attributes
     ----------
     scene, engine, method : names
@@ -119,7 +121,12 @@ class BatchRow:
 
 
 def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
-    """Call `batch_of` by an executor, and return its row; a `failed` row if the call fails."""
+    """Call `batch_of` by an executor, and return its row; a `failed` row if the call fails.
+
+    Parameters
+    ----------
+    row : the row to be completed, as in `batch_of`
+    """
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):
         return replace(row, outcome="failed", reason=answer.value.reason)
@@ -128,6 +135,9 @@ def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchR
 
 def batch_of(scenario: Scenario, engine: Engine, row: BatchRow) -> BatchRow:
     """Compare the worlds of a batch, time its steps, and return its row.
+
+    The row is `unsupported` if the engine refuses the scene, the device or the batch, and `failed`
+    if the engine fails.
 
     Parameters
     ----------
@@ -271,6 +281,11 @@ class _Study:
         """Raise `EngineError` if a motion is finite in a session of its own but not in the batch.
 
         Only the world at the first place is checked.
+
+        Parameters
+        ----------
+        alike : the motion in the batch
+        alone : the motion in the session
         """
         for steps, *both in zip(alike.ends, alike.snapshots, alone.snapshots, strict=True):
             there, beside = (np.hstack(self.session.states(row[:1]).columns) for row in both)
@@ -347,6 +362,7 @@ def _difference(
 
     Parameters
     ----------
+    first, second : the motions, with snapshots after the same numbers of steps
     states : function that returns the states in snapshots
     ulp : relative spacing of the engine's floating-point numbers
     """
@@ -404,7 +420,9 @@ def _degrees(first: State, second: State) -> float:
 
 
 def _mujoco(scenario: Scenario, method: Method, timestep: float) -> tuple[str, float]:
-    """Return a MuJoCo method of similar order, and the wall time of a step of it on one core, s.
+    """Return MuJoCo's name with a method of similar order, and the wall time of its step, s.
+
+    One world is stepped on one core.
 
     Parameters
     ----------

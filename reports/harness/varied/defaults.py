@@ -14,7 +14,9 @@ from ..timesteps.ladder import Rung
 
 
 def varied_row(scenario: Scenario, engine: Engine, run: Run, rung: Rung, solution: Solution) -> Row:
-    """Return the row of a run by a varied engine, compared with the exact motion; without motion.
+    """Return the row of a varied engine's run, compared with the exact motion.
+
+    The row does not keep the motion itself (`Row.motion`).
 
     Parameters
     ----------

@@ -37,6 +37,8 @@ class PointLeft:
 class EnsemblePlan:
     """The results of an ensemble that are missing.
 
+    A point is a member of the ensemble at the timestep of its runs.
+
     Attributes
     ----------
     pairs : the methods asked for, with their engines
@@ -94,7 +96,7 @@ def plan_ensemble(ensemble: Ensemble, base: Scenario, choice: Choice, store: Sto
 
 
 def _to_run(pairs: Sequence[EngineMethod], there: Collection[Pair]) -> list[EngineMethod]:
-    """Return the methods that have no result at a point.
+    """Return the methods that have no result at a point (a member at a timestep).
 
     Parameters
     ----------
@@ -111,6 +113,7 @@ def run_ensemble(
 
     Parameters
     ----------
+    plan : the results that are missing
     base : the scene that the ensemble varies
     progress : called with the name of each completed point
     """
@@ -122,7 +125,13 @@ def run_ensemble(
 
 
 def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executor) -> EnsemblePoint:
-    """Run the methods that have no result at a point, store the results, and return the point."""
+    """Run the methods that have no result at a point, store the results, and return the point.
+
+    Parameters
+    ----------
+    left : the point, which is a member of the ensemble at a timestep; and the methods to run
+    base : the scene that the ensemble varies
+    """
     store.put(*_rows(left, base, executor))
     return left.point
 
@@ -130,10 +139,11 @@ def study_point(left: PointLeft, base: Scenario, store: Store, executor: Executo
 def _rows(
     left: PointLeft, base: Scenario, executor: Executor, *, is_solved: bool = False
 ) -> list[Row]:
-    """Return the missing rows at a point, from one call for all methods.
+    """Return the missing rows of a member at a timestep, from one call for all methods.
 
-    If that call fails, the exact motion is found by a call of its own; then each method is run by a
-    call of its own.
+    If that call fails, a second call only solves the exact motion. If this fails too, the rows are
+    `failed`; else each method is run by a call of its own, and only the row of a method whose call
+    fails again is `failed`.
 
     Parameters
     ----------
@@ -154,5 +164,5 @@ def _rows(
 
 
 def _failed(left: PointLeft, base: Scenario, pair: EngineMethod, failure: CallFailed) -> Row:
-    """Return the row of a method whose call at a point has failed."""
+    """Return the row of a method on a member of an ensemble, if its call has failed."""
     return not_run(base, left.point, pair, "failed", failure.cause, failure.reason)

@@ -1,4 +1,4 @@
-"""Runs methods at one point of an ensemble, and compares them with the exact motion there."""
+"""Runs methods at one point of an ensemble, which is a member at a timestep, and compares them."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,23 +21,24 @@ Solved = dict[float, Solution] | str
 
 
 def run_point(base: Scenario, point: EnsemblePoint, pairs: Sequence[EngineMethod]) -> list[Row]:
-    """Run methods at a point of an ensemble, and return one row for each method.
+    """Run methods on a member of an ensemble, and return one row for each method.
 
-    All rows are `unsupported` if the point has no valid scene, or if `rung_at` raises an error. The
-    rows of one engine are `unsupported` if its stock timestep is refused, or if a run would take
-    more than `STEP_BUDGET` steps. Without methods the exact motion is still solved, to find out
-    whether that succeeds.
+    All rows are `unsupported` if the member is not a valid scene, or if the timestep that `point`
+    states is too long or too short for the window. The rows of one engine are `unsupported` if its
+    stock timestep is refused, or if a run would take more than `STEP_BUDGET` steps. If the exact
+    motion cannot be found, the other rows are `failed`; but if the machine is to blame, the error
+    is raised. Without methods the exact motion is still solved, to find out whether that succeeds.
 
     Parameters
     ----------
-    base : the scene that is varied
+    base : the scene whose start and body are scattered
+    point : the member, and the timestep of its runs
     pairs : the methods, with their engines
 
     Raises
     ------
     IntegrationError
-        If there are no methods, and the exact motion cannot be found. With methods, no error is
-        raised, and the rows say so.
+        If there are no methods, and the exact motion cannot be found.
     """
     try:
         scenario = scene_at(point, base)
@@ -64,11 +65,12 @@ def not_run(
     cause: Cause,
     why: str,
 ) -> Row:
-    """Return the row of a method that was not run at a point, or whose call has failed.
+    """Return the row of a method that was not run on a member, or whose call has failed.
 
     Parameters
     ----------
-    base : the scene that is varied
+    base : the scene whose start and body are scattered
+    point : the member, and the timestep of its runs
     pair : the method, with its engine
     outcome, cause, why : outcome and cause, in one word each, and the reason in a sentence
     """
@@ -79,7 +81,10 @@ def not_run(
 
 
 def _timestep(base: Scenario, point: EnsemblePoint, engine: Engine) -> float:
-    """Return the timestep of a run that was not made, s; 0 if it cannot be determined."""
+    """Return the timestep of a run that was not made, s; 0 if the run has none.
+
+    It has none if the member is no valid scene, or if the engine's stock timestep is refused.
+    """
     if point.timestep is not None:
         return point.timestep
     try:
@@ -90,7 +95,7 @@ def _timestep(base: Scenario, point: EnsemblePoint, engine: Engine) -> float:
 
 
 def _no_scene(error: ValueError) -> str:
-    """Return in words why there is no scene or no rung at a point, from the error that says so."""
+    """Return in words why a member is no valid scene or has no rung, given the error."""
     if not isinstance(error, ScenarioError):
         return str(error)
     # The line number is left out: the varied file exists in memory only.
@@ -100,7 +105,7 @@ def _no_scene(error: ValueError) -> str:
 def _within_budget(rung: Rung | str) -> Rung | str:
     """Return the rung itself; or in words why it is not run, if it takes too many steps.
 
-    A text, which says already why there is no rung, is returned unchanged.
+    If `rung` is a text, which says why the run is refused, it is returned unchanged.
     """
     if isinstance(rung, Rung) and rung.steps > STEP_BUDGET:
         return f"it takes {rung.steps} steps, and a point may take {STEP_BUDGET}"
@@ -128,10 +133,12 @@ def _solved(scenario: Scenario, rungs: Sequence[Rung]) -> Solved:
 def _row(
     scenario: Scenario, point: EnsemblePoint, pair: EngineMethod, rung: Rung, solved: Solved
 ) -> Row:
-    """Run a method at a point, and return its row, without motion and defects.
+    """Run a method on a member of an ensemble; return its row, without motion and defects.
 
     Parameters
     ----------
+    scenario : the member
+    point : the member's numbers, by which the row is stored
     solved : the exact motion by timestep, s; or in words why it is not known
     """
     if isinstance(solved, str):
@@ -149,24 +156,30 @@ def _row(
 
 
 def scene_at(point: EnsemblePoint, base: Scenario) -> Scenario:
-    """Return the scene at a point.
+    """Return the scene of a member: `base` with its start and body scattered.
+
+    Parameters
+    ----------
+    point : the member
+    base : the scene whose start and body are scattered
 
     Raises
     ------
     ScenarioError
-        If the varied scene is not valid.
+        If the scattered scene is not valid.
     """
     return member(base, point.seed, point.number)
 
 
 def rung_at(point: EnsemblePoint, scenario: Scenario, engine: Engine) -> Rung | str:
-    """Return the rung of an engine's run at a point; if the run is refused, the reason in words.
+    """Return the rung of an engine's run on a member; if the run is refused, the reason in words.
 
-    The timestep is that of the point, or the engine's stock timestep if the point states none.
+    The timestep is that of `point`, or the engine's stock timestep if `point` states none.
 
     Parameters
     ----------
-    scenario : the scene at the point
+    point : the member, and the timestep of its runs
+    scenario : the member's scene
 
     Raises
     ------
