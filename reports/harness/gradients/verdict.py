@@ -65,7 +65,9 @@ def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: flo
 
 
 def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
-    """Return the verdict on the Jacobians of steps.
+    """Return the verdict on the Jacobians of steps, by comparison with the exact ones.
+
+    If they disagree, the verdict's reason is the first of `candidates` that explains them, if any.
 
     Parameters
     ----------
@@ -106,6 +108,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     Parameters
     ----------
     one : the verdict by comparison with the exact Jacobians
+    exact : the exact Jacobians
     found : the Jacobians that the engine computes, (J, K, 6, 6)
     own : the Jacobians that finite differences of the engine's steps give
     noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
@@ -172,7 +175,7 @@ def _tail(series: list[GainSeries]) -> float:
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:
-    """Return the limits of gains as matrices with the rows and columns of Jacobians, (K, 6, 6).
+    """Return the limits of gains, 1/s, with the rows and columns of Jacobians, (K, 6, 6).
 
     Parameters
     ----------

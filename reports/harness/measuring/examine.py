@@ -148,7 +148,7 @@ class _Examination:
 
     @cached_property
     def first(self) -> Look:
-        """The steps that are taken first: without settling, and with the fewest repeats."""
+        """The steps that are taken first: no constraint settles before, and repeats are fewest."""
         return self._take(0, self._repeats[0], self.at.timesteps)
 
     @property
@@ -179,9 +179,10 @@ class _Examination:
     def unless_random(self, found: StepEvidence) -> StepEvidence:
         """Return the evidence; its fault becomes `random` if the engine is not deterministic.
 
-        It is not if the steps that show the fault, taken twice more from the same states, differ by
-        a quarter of the fault or more. As the fault is the largest deviation among many steps, two
-        of them rarely differ by all of it.
+        The steps that show the fault are taken twice more from the same states. The engine is not
+        deterministic if the two results differ by a quarter of the fault or more: as the fault is
+        the largest deviation among many steps, two steps rarely differ by all of it. If the engine
+        refuses these steps, the evidence is returned as it is.
         """
         if (fault := found.fault) is None:
             return found
@@ -328,6 +329,7 @@ class _Examination:
         Parameters
         ----------
         repeats : R
+        is_changed : whether the states are changed even if R is 1
         """
         if repeats == 1 and not is_changed:
             return self.at.states
@@ -337,7 +339,11 @@ class _Examination:
         """Return the timesteps at which steps are taken, s, long to short.
 
         These are the halved timesteps, one timestep between two of them, and the engine's stock
-        timesteps in the same range.
+        timesteps in the same range. In single precision the shortest are left out.
+
+        Parameters
+        ----------
+        halved : timesteps, each half of the one before, s
         """
         engine = self.sessions.engine
         if engine.single_precision:
@@ -354,6 +360,10 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
     If it does, the distance of com or velocity from the values that the constraint demands depends
     on the timestep. If instead the engine holds another body, or misreads it, that distance is the
     same at all timesteps.
+
+    Parameters
+    ----------
+    steps : single steps at several timesteps, before which no constraint has settled
     """
     velocity, position = (
         steps.by_timestep(norms(off)) for off in off_the_constraint(equations, steps.after)

@@ -79,7 +79,8 @@ class Intervals:
     def some_again(self, kept: NDArray[np.intp], starts: State) -> State:
         """Run K of the intervals from given starts, and return the K states in which they end.
 
-        Each is restarted on the way, as a fault could act in step with the samples.
+        The session is restarted once in each interval, after the number of steps in `parts`, as a
+        fault could act in step with the samples.
 
         Parameters
         ----------
@@ -126,7 +127,7 @@ class Intervals:
         )
 
     def _record(self, k: int, each: int) -> tuple[list[int], list[Any]]:
-        """Run interval k again, and record a snapshot after every `each` steps.
+        """Run interval k again with a restart, and record a snapshot after every `each` steps.
 
         Returns
         -------

@@ -159,9 +159,10 @@ def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _torques(equations: Equations, states: State) -> FloatArray:
-    """Return the sizes of three torques in n states, N m, (n, 3).
+    """Return the sizes of three torques in n states, N m, (n, 3): constant, of drag, and of weight.
 
-    They are the constant torque, the torque that depends on ω, and the torque of weight.
+    The size of the torque of weight is the largest at any attitude, m g times the arm. It is zero
+    for a free body.
     """
     scenario = equations.scenario
     still, pushed = (
@@ -175,9 +176,9 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """Return the largest change of each gain by a relative error of the state, per unit of error.
+    """Return how much a relative error of the state after a step changes each gain, (J, K, Q).
 
-    The shape is (J, K, Q).
+    It is the largest change, in the units of the gains, divided by the relative error.
     """
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))

@@ -136,7 +136,10 @@ class Steps:
     repeats: int = 1
 
     def by_timestep(self, rows: FloatArray) -> FloatArray:
-        """Return rows, (J R K, …), as an array by timestep, repeat and state, (J, R, K, …)."""
+        """Return an array with a row for each step, (J R K, …), in the shape (J, R, K, …).
+
+        The new axes are those of timesteps, repeats and states.
+        """
         return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])
 
 

@@ -45,8 +45,8 @@ def _locked_axis(axis: int, *, is_set: bool) -> Change:
     Parameters
     ----------
     axis : index of the axis
-    is_set : whether this component is set after each step, which leaves the others as they would be
-        without that; else a torque keeps it constant, as that of a hinge would
+    is_set : if true, the component is set after each step, and the rates of the others are not
+        affected; if false, a torque keeps it constant, as the torque of a hinge would
     """
     kept = [i for i in range(3) if i != axis]
 

@@ -57,7 +57,10 @@ class ReadOmega(Data):
     error: float
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals of ω for H hypotheses, in units of `error`, (H, n, 3)."""
+        """Return what sensors read as ω with H hypotheses, less `read`, in units of `error`.
+
+        The shape is (H, n, 3).
+        """
         computed = as_read(hypotheses, np.repeat(self.body[None], len(hypotheses), axis=0), self.t)
         return np.asarray((computed[..., 4:] - self.read) / self.error)
 
@@ -161,6 +164,8 @@ def _omega_between(
 
 def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[str]]:
     """Yield a list of one sentence for each clamp that turns the body's ω into the recorded ω.
+
+    A clamp limits ‖ω‖, or each component of ω, to a bound.
 
     Parameters
     ----------
@@ -271,7 +276,7 @@ class Filter:
 
     @property
     def delay(self) -> float:
-        """The group delay at frequency zero, in samples: by this the filter delays slow changes."""
+        """The group delay at frequency zero: by how many samples slow changes of ω are delayed."""
         ages = np.arange(len(self.inputs)) @ self.inputs / self.inputs.sum()
         own = np.arange(1, len(self.outputs) + 1) @ self.outputs / (1 - self.outputs.sum())
         return float(ages + own)
@@ -348,7 +353,7 @@ def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Fi
     Parameters
     ----------
     body, read : the body's ω and the recorded one, rad/s, (n, 3)
-    outputs, inputs : the numbers of weights of earlier outputs, and of inputs
+    outputs, inputs : the numbers of weights of earlier outputs, and of samples of the body's ω
     """
     first = max(outputs, inputs - 1)
     rows = np.arange(first, len(read))

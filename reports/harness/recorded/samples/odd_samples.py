@@ -29,7 +29,8 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
 
     Returns
     -------
-    None if some qw is negative, or if conjugation of some samples does not make all of them right
+    None if some qw is negative, if conjugation of some samples does not make all of them right, or
+    if there are too few samples
     """
     q, exact = reading.q, numbers.q_exact
     if (q[:, 0] < 0).any() or len(q) < FEWEST:
@@ -83,7 +84,8 @@ def across_signs(numbers: Numbers) -> Shown | None:
 def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Return the finding that ω wraps around, as integers do that overflow; None if it does not.
 
-    Where a component of ω would leave a range, the width of the range is added or subtracted.
+    Where a component of ω would leave a range, the width of the range is added or subtracted. None
+    is also returned if samples are too few, or too far apart, to tell.
 
     Parameters
     ----------
