@@ -288,7 +288,12 @@ class Trial:
         return least_squares(residuals, x, jacobian, xtol=tolerance, max_nfev=evaluations)
 
     def _fit_from(self, x: FloatArray, evaluations: int = EVALUATIONS) -> Fit:
-        """Fit the parameters to all data, starting from scaled parameters x, (k,)."""
+        """Fit the parameters to all data, starting from scaled parameters x, (k,).
+
+        Parameters
+        ----------
+        evaluations : how often residuals and their derivatives are computed at most
+        """
         if not len(x):
             hypotheses = self.hypotheses(x[None])
             (residuals,) = self.data.residuals(hypotheses)

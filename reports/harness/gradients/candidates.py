@@ -118,6 +118,7 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
 
     Parameters
     ----------
+    exact : the exact Jacobians, from K states over J spans of time
     limits : difference of the engine's Jacobian from the exact one, divided by the span of time, in
         the limit of vanishing timesteps, (K, 6, 6), 1/s; each entry in the units of its row and
         column, rad and rad/s
@@ -159,7 +160,7 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 
     Parameters
     ----------
-    P : the exact Jacobians, (J, K, 6, 6)
+    P : the exact Jacobians, from K states over J spans of time, (J, K, 6, 6)
     """
     for what, first in {"attitude": 0, "ω": 3}.items():
         three = slice(first, first + 3)
@@ -292,7 +293,7 @@ class _Rates:
         return self._whole(self._derivative(name) - self.exact)
 
     def without_turn(self, first: int) -> FloatArray:
-        """Return the error of the derivative of dx/dt by x if the attitude's lacks a part, (6, 6).
+        """Return the error of the derivative of dx/dt by x if rows of attitude lack a part, (6, 6).
 
         x is attitude and ω in the chart. Small changes of the two obey δθ' = δω − ω × δθ.
 

@@ -236,7 +236,7 @@ def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArr
 
     Parameters
     ----------
-    found, other : the Jacobians, and others with another error, (J, K, 6, 6)
+    found, other : the Jacobians from K states, and others with another error, (J, K, 6, 6)
     """
     apart = np.abs(units.of(found - other)).max(axis=(1, 2, 3))
     return np.asarray(np.maximum(apart, ULPS * units.ulp / units.change))

@@ -72,7 +72,7 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
     Parameters
     ----------
     exact : the exact Jacobians
-    found : the Jacobians to be judged, (J, K, 6, 6)
+    found : the Jacobians to be judged, from K states over J spans of time, (J, K, 6, 6)
     noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
     """
     units = exact.units
@@ -109,7 +109,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     ----------
     one : the verdict by comparison with the exact Jacobians
     exact : the exact Jacobians
-    found : the Jacobians that the engine computes, (J, K, 6, 6)
+    found : the Jacobians that the engine computes, from K states with J timesteps, (J, K, 6, 6)
     own : the Jacobians that finite differences of the engine's steps give
     noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
     """
@@ -141,7 +141,7 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
 
     Parameters
     ----------
-    off : differences of Jacobians from the exact ones, (J, K, 6, 6)
+    off : differences of Jacobians from the exact ones, over J spans of time, (J, K, 6, 6)
     noise : standard deviation of each column's gain, 1/s, (J, 6)
     """
     J, K = off.shape[:2]
@@ -159,7 +159,7 @@ def _gains(exact: Exact, off: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    off : the differences, (J, K, 6, 6)
+    off : the differences, for J spans of time and K states, (J, K, 6, 6)
     """
     return np.asarray(exact.units.of(off) / exact.spans[:, None, None, None])
 

@@ -237,8 +237,8 @@ class _Examination:
     def _hinges_may_explain(self, look: Look) -> bool:
         """Return whether hinges that give way, as soft constraints do, may explain a fault.
 
-        They may if the fault is of the kind `limit`, that is, if gains tend to a limit other than
-        zero, and if none of the `HALVINGS` timesteps has been left out.
+        They may if there are rotors, if the fault is of the kind `limit`, that is, if gains tend to
+        a limit other than zero, and if none of the `HALVINGS` timesteps has been left out.
         """
         has_hinges = look.steps.before.spins.size and len(self.at.timesteps) == HALVINGS
         return bool(has_hinges and look.tail < LEVEL and kind_of(look) == "limit")
@@ -322,9 +322,9 @@ class _Examination:
         return Look(equations, steps, gains, noise, settle, is_single, split, apart)
 
     def _states(self, repeats: int, *, is_changed: bool = False) -> State:
-        """Return the states, each repeated R times, R K in all.
+        """Return the K states from which steps are taken, each repeated R times, R K in all.
 
-        They are changed at random if R > 1 or `is_changed`.
+        They are changed a little at random if R > 1 or `is_changed`.
 
         Parameters
         ----------
@@ -380,9 +380,9 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
 def gives_in(look: Look, settled: Look) -> bool:
     """Return whether hinges give way, so that they must settle before steps are judged.
 
-    How far a hinge gives way cannot be read from an engine. If hinges give way, the limits of the
-    quantity with the smallest tail shrink to less than half once the hinges have settled. If a
-    fault makes the limits, they remain.
+    How far a hinge gives way cannot be read from an engine. If hinges give way, the limits of gains
+    in the quantity with the smallest tail shrink to less than half once the hinges have settled. If
+    a fault makes the limits, they remain.
 
     Parameters
     ----------

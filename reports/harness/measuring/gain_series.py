@@ -121,7 +121,7 @@ def fitted(
     Parameters
     ----------
     timesteps : long to short, s, (J,)
-    gains : per second, in any unit, (J, K, 3)
+    gains : gains of the steps from K states, in any unit, (J, K, 3)
     noise : standard deviation of each component of a gain, (J, K)
     level : the significance level; a tail below it is a fault
     turns : the angle by which each step turns the body, or the angle's rank, (J, K); None if it is

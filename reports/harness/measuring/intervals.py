@@ -193,10 +193,11 @@ class Passage:
         return chosen if is_few else replace(chosen, timesteps=at.timesteps[-LEAST:])
 
     def _abrupt(self, scenario: Scenario, most: int) -> NDArray[np.intp]:
-        """Return indices of the stretches whose gain differs most from the mean of its neighbours.
+        """Return indices of the stretches whose gains differ most from those before and after.
 
-        At most `most` of them are chosen for each quantity. There are none if the motion turns too
-        far to be followed, or has fewer than three stretches.
+        A gain is compared with the mean of the gains of the two neighbouring stretches. At most
+        `most` stretches are chosen for each quantity. There are none if the motion turns too far to
+        be followed, or has fewer than three stretches.
         """
         turn = fastest_rate(scenario, self.before.omega_body) * float(self.times[-1])
         if turn > FARTHEST_TURN or len(self.times) < 3:

@@ -135,6 +135,7 @@ def changed_at_random(
     ----------
     size : standard deviation of each component of the change: in rad for the attitude, and relative
         to their norms for vectors
+    chance : the generator of random numbers from which the change is drawn
     """
     turn, omega_change, velocity_change, com_change = size * chance.standard_normal((4, 3))
     q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))

@@ -60,7 +60,7 @@ class Measured:
         Parameters
         ----------
         timesteps : long to short, s, (J,)
-        gains : (J, K, 3)
+        gains : the gains from K states, per second, (J, K, 3)
         noise : standard deviation of each component of a gain, (J, K)
         turns : the angle by which each step turns the body, or the angle's rank, (J, K); the
             timesteps are used if it is None
@@ -146,7 +146,12 @@ class Regression:
     def of(measured: Measured, order: int, *, has_constant: bool = False) -> "Regression":
         """Return the regression of all gains on a series of a given order.
 
-        A gain beyond the radius of convergence may be as large as the largest of all gains.
+        A gain at a timestep beyond the radius of convergence may be as large as the largest gain.
+
+        Parameters
+        ----------
+        order : lowest power of the timestep in the series
+        has_constant : whether a constant is added to the series
         """
         x, radii = measured.x, _inverse_radii(measured)
         scaled = radii[:, None] * x
@@ -158,7 +163,7 @@ class Regression:
         return Regression(measured, order, radii, noise, basis, has_constant)
 
     def before(self, j: int) -> "Regression":
-        """Return the regression of the gains at the j longest timesteps, with the same grid."""
+        """Return the regression of the gains at the j longest timesteps, with the same pairs."""
         of_first = self.measured.part(0, j)
         return replace(self, measured=of_first, noise=self.noise[:, :j], basis=self.basis[:, :j])
 

@@ -84,7 +84,13 @@ class Sessions:
         return before, batch.snapshots(places)
 
     def _single_step(self, state: State, timestep: float, settle: int) -> tuple[Any, Any]:
-        """Return the snapshots before and after a step from one state; see `single_steps`."""
+        """Return the snapshots before and after a step from one state.
+
+        Parameters
+        ----------
+        timestep : s
+        settle : number of steps that are taken before the first snapshot
+        """
         with self.at(state, timestep) as session:
             if settle:
                 session.advance(settle)

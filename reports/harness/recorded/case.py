@@ -189,7 +189,7 @@ class Case:
 
     @cached_property
     def physics(self) -> Physics:
-        """The search for other equations, an integrator or a clamp of ω that explain the motion."""
+        """The search for other equations, an integrator or a bound on ω that explain the motion."""
         of_method = self.timestep, self.order, self.of_intervals
         return Physics(self.scenario, self.motion, self.exact, *of_method, self.reach)
 

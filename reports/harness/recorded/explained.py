@@ -87,8 +87,13 @@ def explained(case: Case) -> Explanation:
 def _with_remainder(case: Case, found: Finding) -> Explanation:
     """Return a finding and what explains the rest of the difference from the exact motion.
 
-    The cases in `Finding.left` are explained in turn. The first that is explained fully is used; if
-    none is, the last one.
+    The cases in `Finding.left` are explained one after another. The first that is explained fully
+    is used; if none is, the last one.
+
+    Parameters
+    ----------
+    case : the case before any of its samples are corrected or left out
+    found : the finding in it
     """
     remainder = None
     for left in found.left:

@@ -162,7 +162,10 @@ def trees(count: int, colours: Sequence[int]) -> list[Tree]:
 
 
 def _forests(count: int, colours: Sequence[int]) -> list[tuple[Tree, ...]]:
-    """Return all forests, which are multisets of rooted trees, with `count` vertices in total."""
+    """Return all forests, which are multisets of rooted trees, with `count` vertices in total.
+
+    Each vertex has one of the given colours.
+    """
     if not count:
         return [()]
     forests = {

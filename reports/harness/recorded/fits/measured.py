@@ -40,7 +40,8 @@ class Measured(LogFit):
     def tensor_in_words(self) -> str:
         """Return a sentence with the fitted tensor and its standard errors.
 
-        If no tensor is given, as in `as_record`, the sentence says why.
+        If the samples do not determine the tensor, or if residuals far exceed noise, the sentence
+        says that instead.
         """
         if self.is_far:
             return "No tensor is given: what is left is far beyond noise."

@@ -30,7 +30,7 @@ TIMES = Change("times", lambda h, n: h.of(step=1 + n[:, 0]), np.ones(1))
 
 
 def _reversed_rate(axis: int) -> Change:
-    """Return the change in which the component of ω' along one body axis has the wrong sign."""
+    """Return the change in which one component of ω', of index `axis`, has the wrong sign."""
     sign = 1.0 - 2.0 * np.eye(3)[axis]
 
     def reverse(h: Hypothesis, _: FloatArray) -> Hypothesis:

@@ -407,7 +407,10 @@ class Physics:
 
     @property
     def _within_error(self) -> Fit | None:
-        """The fit of one or two changes that explain the motion beside methods' errors; or None."""
+        """The fit of one or two changes that, together with methods' errors, explain the motion.
+
+        The property is None if none do, or if `intervals` is None.
+        """
         if self.intervals is None or self.search is None:
             return None
         orders, every = range(1, self.order + 1), self._of_motion
@@ -491,7 +494,10 @@ class Physics:
 
     @cached_property
     def clamps(self) -> list[Clamp]:
-        """The clamps of ω that explain the motion, in the order of `CLAMPS`; often none."""
+        """The clamps that explain the motion, in the order of `CLAMPS`; often none.
+
+        A clamp is a bound to which an engine limits ω.
+        """
         of_method = float(self.intervals.scale[:, 3:].max()) if self.intervals else np.inf
         of_noise = CERTAIN * float(self.noise[1])
         return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))

@@ -237,9 +237,9 @@ def _smoothed_or_filtered(
 def _smoothed(
     t: FloatArray, body: FloatArray, read: FloatArray, error: float
 ) -> tuple[float, str] | None:
-    """Return the moving mean over the fewest samples that explains the recorded ω.
+    """Return the moving mean of the body's ω over the fewest samples that explains the recorded ω.
 
-    The arguments are those of `_smoothed_or_filtered`.
+    The parameters are those of `_smoothed_or_filtered`: body is the body's ω, read the recorded ω.
 
     Returns
     -------
@@ -285,8 +285,9 @@ class Filter:
     def is_causal(self) -> bool:
         """Whether a sensor may have such a filter.
 
-        It must be stable, delay its input, and have no negative sum of `outputs`. Its impulse
-        response must be positive, but may fall somewhat below zero as of a filter that overshoots.
+        It must be stable and delay its input, and the sum of `outputs` must not be negative. Its
+        impulse response must be positive, but may fall somewhat below zero, as that of a filter
+        that overshoots does.
         """
         poles = np.roots([1.0, *-self.outputs])
         if not (self.delay > 0 and self.outputs.sum() >= 0 and (np.abs(poles) < 1).all()):
@@ -310,9 +311,9 @@ class Filter:
 def _filtered(
     t: FloatArray, body: FloatArray, read: FloatArray, error: float
 ) -> tuple[float, str] | None:
-    """Return the linear filter with the fewest parameters that explains the recorded ω.
+    """Return the linear filter with the fewest weights that makes the recorded ω of the body's.
 
-    The arguments are those of `_smoothed_or_filtered`.
+    The parameters are those of `_smoothed_or_filtered`: body is the body's ω, read the recorded ω.
 
     Returns
     -------

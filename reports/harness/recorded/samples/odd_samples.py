@@ -52,12 +52,12 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
 def across_signs(numbers: Numbers) -> Shown | None:
     """Return the finding that attitudes are interpolated between quaternions of opposite signs.
 
-    As q and −q are one attitude, the interpolated quaternions are far from both. Each of them is
-    found by itself, as a quaternion on the straight line between its neighbours.
+    As q and −q are one attitude, an interpolated quaternion is then far from the attitudes of both
+    its neighbours. It is found as a quaternion on the straight line between them.
 
     Returns
     -------
-    None if no attitude is so interpolated
+    The finding; None if no attitude is interpolated in this way
     """
     t, q = numbers.t, numbers.q
     before, after = q[:-2], q[2:]
