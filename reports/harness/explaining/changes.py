@@ -105,6 +105,10 @@ def _of_gyroscopic_torque(scenario: Scenario, e: OtherEquations) -> Iterator[Cha
     G is the tensor of inertia in this torque, and h the angular momentum of rotors; some changes
     are of h alone. One change takes a wrong inverse of the tensor. Others keep the tensor constant
     along world axes, although it turns with the body.
+
+    Parameters
+    ----------
+    e : the scene's own equations
     """
     inertia, of_com = e.inertia, np.array(scenario.body.inertia_com)
     yield set_to("gyroscopic", (1.0,), gyroscopic=0 * inertia, kept=0 * e.kept)
@@ -153,6 +157,10 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
     """Yield changes that fit the tensor of inertia or some of its entries, the com, or the lever.
 
     The lever is mass times com in the torque of gravity.
+
+    Parameters
+    ----------
+    e : the scene's own equations
     """
     moments, axes = np.linalg.eigh(e.inertia)
     size, how = mean_moment(e), "" if is_scaled(e) else UP_TO_A_FACTOR
@@ -173,7 +181,7 @@ def has_tensor(h: Hypothesis, _: FloatArray) -> bool:
 
 
 def _with_moments(axes: FloatArray, h: Hypothesis, moments: FloatArray) -> Hypothesis:
-    """Return H hypotheses with other principal moments of inertia about given axes.
+    """Return H hypotheses `h` whose tensors are set to given principal axes and moments of inertia.
 
     Parameters
     ----------
@@ -198,6 +206,7 @@ def _with_entry(e: OtherEquations, at: int) -> Change:
 
     Parameters
     ----------
+    e : the scene's own equations, which have the tensor without the change
     at : index of the entry in Ixx, Iyy, Izz, Ixy, Ixz, Iyz
     """
     entries, unit = tensor_entries(e.inertia), np.eye(6)[at]
@@ -225,6 +234,10 @@ def tensor(e: OtherEquations) -> Change:
     """Return the change that fits the whole tensor of inertia.
 
     If the motion does not show the tensor's scale, its trace stays as it is.
+
+    Parameters
+    ----------
+    e : the scene's own equations, which have the tensor without the change
     """
     if not is_scaled(e):
         of_body = Hypothesis.with_inertia, has_tensor
@@ -251,8 +264,8 @@ def _with_trace(
     Parameters
     ----------
     nominal : the tensor without the change, kg m², (3, 3)
-    apply : returns H hypotheses with changed tensors, (H, 3, 3)
-    kind, is_possible : as in `Change`
+    apply : returns H hypotheses in which the tensor is replaced by given ones, (H, 3, 3)
+    kind, is_possible : attributes of the returned `Change`
     """
     entries = tensor_entries(nominal)
 
@@ -272,6 +285,10 @@ def is_scaled(e: OtherEquations) -> bool:
     """Return whether torques, drag, rotors or a table let a motion show the scale of the tensor.
 
     The motion of a body that turns freely shows only ratios of its moments of inertia.
+
+    Parameters
+    ----------
+    e : the equations of the motion
     """
     pulled = e.pull.any() and e.gravity_world.any()
     pushed = e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any()

@@ -56,13 +56,21 @@ def of_effects(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that scale the scene's constant torques, or add a constant torque."""
+    """Yield changes that scale the scene's constant torques, or add a constant torque.
+
+    Parameters
+    ----------
+    e : the scene's own equations
+    """
     yield from _scaled_torques(e)
     yield from _additional_torques(scenario, e)
 
 
 def _additional_torques(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that add a fitted constant torque, along body axes or along world axes."""
+    """Yield changes that add a fitted constant torque, along body axes or along world axes.
+
+    `e` are the scene's own equations, from which the torque's typical size is computed.
+    """
     size = usual_torque(scenario, e)
     for kind, name in (
         ("torque along body axes", "torque"),
@@ -72,7 +80,10 @@ def _additional_torques(scenario: Scenario, e: OtherEquations) -> Iterator[Chang
 
 
 def _scaled_torques(e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that scale the constant torques of a scene; none if it has no such torques."""
+    """Yield changes that scale the constant torques of a scene; none if it has no such torques.
+
+    `e` are the scene's own equations.
+    """
     if e.torque.any() or e.torque_world.any():
         terms_of_torque: dict[str, Any] = {"torque": e.torque, "torque_world": e.torque_world}
         yield from factors("torque's size", 0.0, -1.0, **terms_of_torque)
@@ -83,6 +94,7 @@ def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
 
     Parameters
     ----------
+    e : the scene's own equations
     rate : typical size of the fitted rate, 1/s
     """
     none = np.zeros(2)
@@ -107,6 +119,7 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
 
     Parameters
     ----------
+    e : the scene's own equations
     power : the power p; fitted as well if None
     """
     c, rate = e.slowing[0], usual_rate(scenario, e)
@@ -130,12 +143,20 @@ def drags_law(scenario: Scenario, e: OtherEquations, power: float | None = None)
 
 
 def drags_of_other_powers(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Yield the changes that replace drag by quadratic drag and by dry friction, of fitted size."""
+    """Yield the changes that replace drag by quadratic drag and by dry friction, of fitted size.
+
+    Parameters
+    ----------
+    e : the scene's own equations
+    """
     yield from (drags_law(scenario, e, power) for power in POWERS)
 
 
 def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that replace the scene's drag by another function of ω."""
+    """Yield changes that replace the scene's drag by another function of ω.
+
+    `e` are the scene's own equations.
+    """
     c, size = e.slowing[0], mean_moment(e) * usual_rate(scenario, e)
     yield drags_law(scenario, e)
     yield fitted(
@@ -149,7 +170,7 @@ def _of_drag(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
 
 
 def _with_torque(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
-    """Return H hypotheses with a torque added to their constant torque in body or world axes.
+    """Return H hypotheses `h`, with torques added to their constant torques in body or world axes.
 
     Parameters
     ----------
@@ -160,18 +181,24 @@ def _with_torque(name: str, h: Hypothesis, torque: FloatArray) -> Hypothesis:
 
 
 def _with_drag(names: Sequence[str], h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """Return H hypotheses with numbers, (H, k), added to those of `OtherEquations.slowing`.
+    """Return H hypotheses `h`, with numbers added to their coefficients of drag and decay.
 
     Parameters
     ----------
-    names : to which the k numbers are added: c, coefficient of linear drag, N m s; a and b, with
-        which the angular momentum decays at the rate a + b ‖ω‖
+    names : names of the k coefficients: c, of linear drag, N m s; a, 1/s, and b, with which the
+        angular momentum decays at the rate a + b ‖ω‖
+    n : the numbers, (H, k)
     """
     return h.of(slowing=h.slowing + n @ np.eye(3)[[SLOWING.index(name) for name in names]])
 
 
 def resistance(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that scale the scene's drag, or add linear drag where the scene has none."""
+    """Yield changes that scale the scene's drag, or add linear drag if the scene has none.
+
+    Parameters
+    ----------
+    e : the scene's own equations
+    """
     if e.slowing[0]:
         yield from factors("resistance's size", 0.0, -1.0, slowing=e.slowing)
         return
@@ -183,6 +210,10 @@ def com(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Yield the change of the com, and with it of gravity's torque and the tensor about the pivot.
 
     It is yielded only for a body on a pivot under gravity, as other motions do not show it.
+
+    Parameters
+    ----------
+    e : the scene's own equations
     """
     if scenario.constraint.is_pivot and e.gravity_world.any():
         place, mass = np.array(scenario.body.com), scenario.body.mass
@@ -211,6 +242,10 @@ def lever(e: OtherEquations) -> Iterator[Change]:
     """Yield the change of gravity's lever, mass times com, kg m, while the tensor stays as it is.
 
     It is yielded only if gravity has a torque.
+
+    Parameters
+    ----------
+    e : the scene's own equations
     """
     if e.pull.any() and e.gravity_world.any():
         size = float(np.linalg.norm(e.pull))
@@ -218,24 +253,38 @@ def lever(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_momentum(e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that scale the rotors' angular momentum; none if it is zero."""
+    """Yield changes that scale the rotors' angular momentum; none if it is zero.
+
+    Parameters
+    ----------
+    e : the scene's own equations
+    """
     if e.kept.any():
         yield from factors("momentum", 0.0, -1.0, kept=e.kept)
 
 
 def mean_moment(e: OtherEquations) -> float:
-    """Return the mean principal moment of inertia, kg m²."""
+    """Return the mean principal moment of inertia in equations `e`, kg m²."""
     return float(np.trace(e.inertia)) / 3
 
 
 def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
-    """Return a typical torque, N m: it changes ω by ‖ω‖ or so while the body turns by a radian."""
+    """Return a typical torque, N m: it changes ω by ‖ω‖ or so while the body turns by a radian.
+
+    Parameters
+    ----------
+    e : the scene's own equations
+    """
     return mean_moment(e) * usual_rate(scenario, e) ** 2
 
 
 def usual_rate(scenario: Scenario, e: OtherEquations) -> float:
     """Return a typical rate of the motion, rad/s, from which scales of parameters are computed.
 
-    It is `OtherEquations.rate`; if that rate is 0, ‖ω‖ at the scene's start; if both are 0, 1.
+    It is `e.rate`; if that rate is 0, ‖ω‖ at the scene's start; if both are 0, 1.
+
+    Parameters
+    ----------
+    e : the scene's own equations
     """
     return float(e.rate) or float(np.linalg.norm(scenario.start.omega_body)) or 1.0

@@ -50,7 +50,8 @@ class Data(ABC):
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """Return the residuals of H hypotheses, (H, ...); nan for one that has no finite motion.
 
-        The shape beyond the first axis is that of the data.
+        They are the deviations of the data from what a hypothesis predicts, in units of their
+        standard deviation. The shape beyond the first axis is that of the data.
         """
 
     def prior_residuals(self, hypotheses: Hypothesis) -> FloatArray:
@@ -71,16 +72,20 @@ class Data(ABC):
         return (self,)
 
     def chi2_decrease(self, before: FloatArray, after: FloatArray) -> float:
-        """Return the decrease of χ² by a change of equations or readings.
+        """Return the decrease of χ² by a change of the equations, or of how states are read.
 
         Parameters
         ----------
-        before, after : the residuals without and with the change, in the same shape
+        before, after : the residuals without and with the change, of the same shape, in units of
+            their standard deviation
         """
         return float(self.chi2_decreases(before.ravel(), after.reshape(1, -1))[0])
 
     def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:
-        """Return the decreases of χ² by each of M changes of equations or readings, (M,).
+        """Return the decreases of χ² by each of M changes, (M,).
+
+        The changes are those of the equations, or of how states are read. Residuals are in units of
+        their standard deviation.
 
         Parameters
         ----------
@@ -90,7 +95,7 @@ class Data(ABC):
         return np.asarray(np.sum(before**2) - np.sum(after**2, axis=1)) / self.correlated
 
     def residuals(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals of H hypotheses, (H, m).
+        """Return the residuals of H hypotheses, those of `deviations`, in one row each, (H, m).
 
         They are limited to ± `NOT_FINITE`, which also takes the place of nan.
         """
@@ -100,10 +105,11 @@ class Data(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Changes of equations or readings made together, with the parameters that fit data best.
+    """Changes that are made together, with the parameters with which they fit data best.
 
     Attributes
     ----------
+    changes : the changes of the equations, or of how states are read
     hypothesis : the one hypothesis that the changes with these parameters lead to
     parameters : the parameters of all changes, in the order of `changes`, not scaled, (k,)
     covariance : covariance of the parameters given the data and the prior, (k, k); it is right only
@@ -188,7 +194,7 @@ class Linear:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """Changes of equations or readings made together, whose k parameters are fitted to data."""
+    """Changes of equations, or of how states are read, whose k parameters are fitted together."""
 
     data: Data
     changes: tuple[Change, ...]
@@ -282,7 +288,12 @@ class Trial:
         return least_squares(residuals, x, jacobian, xtol=tolerance, max_nfev=evaluations)
 
     def _fit_from(self, x: FloatArray, evaluations: int = EVALUATIONS) -> Fit:
-        """Fit the parameters to all data, starting from scaled parameters x, (k,)."""
+        """Fit the parameters to all data, starting from scaled parameters x, (k,).
+
+        Parameters
+        ----------
+        evaluations : how often residuals and their derivatives are computed at most
+        """
         if not len(x):
             hypotheses = self.hypotheses(x[None])
             (residuals,) = self.data.residuals(hypotheses)

@@ -57,7 +57,7 @@ class Hypothesis(OtherEquations):
 
 
 def as_it_is(scenario: Scenario) -> Hypothesis:
-    """Return the hypothesis without mistakes: the scene's own equations, and no misreading."""
+    """Return the hypothesis of the scene's own equations, and of states read without mistakes."""
     numbers = np.zeros(Hypothesis.count)
     numbers[: OtherEquations.count] = equations_of(scenario).numbers
     return Hypothesis(numbers).of(read=np.eye(3), step=1.0, velocity=1.0)
@@ -126,7 +126,7 @@ def set_to(kind: str, shown: Sequence[float] = (), **terms: Any) -> Change:
     ----------
     kind : name of the kind of change
     shown : the numbers that the words of the change state
-    terms : the values, by the names of the terms
+    terms : the values, by the names of terms in `Hypothesis`
     """
     return Change(kind, lambda h, _: h.of(**terms), np.empty(0), lambda _: shown)
 
@@ -146,7 +146,7 @@ def fitted(
     ----------
     nominal : the numbers without the change, (k,)
     scale : typical size of the deviations, in the unit of the numbers
-    apply : returns H hypotheses with changed numbers, (H, k)
+    apply : returns H hypotheses in which the numbers are replaced by given ones, (H, k)
     kind, is_possible : attributes of the returned `Change`
     """
     scales = np.broadcast_to(scale, nominal.shape).astype(float)
@@ -167,7 +167,7 @@ def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -
     kind : name of the kind of the changes
     wholes : the given factors
     sign : 1 if the words of the change state the factor less 1, −1 if they state 1 less the factor
-    terms : the nominal values, by the names of the terms
+    terms : the values without a change, by the names of terms in `Hypothesis`
     """
     for whole in wholes:
         multiplied: Any = {name: whole * term for name, term in terms.items()}
@@ -181,11 +181,11 @@ def factors(kind: str, *wholes: float, sign: float = 1.0, **terms: FloatArray) -
 
 
 def scaled(factors: FloatArray, term: FloatArray) -> FloatArray:
-    """Return a term multiplied by each of H factors, (H, ...).
+    """Return a term of the equations, multiplied by each of H factors, (H, ...).
 
     Parameters
     ----------
-    factors : (H, 1)
-    term : of any shape, (...)
+    factors : the factors, (H, 1)
+    term : the value of the term, of any shape, (...)
     """
     return np.asarray(np.multiply.outer(factors[:, 0], term))

@@ -29,7 +29,7 @@ def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanati
 
 
 def _largest_deviation(read: State, exact: State) -> float:
-    """Return the largest error of states: of attitude, rad, or of ω, relative.
+    """Return the largest error of states that were read: of attitude, rad, or of ω, relative.
 
     Errors of ω are relative to the largest component of the exact ω of all states.
     """

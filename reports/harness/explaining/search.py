@@ -162,9 +162,9 @@ class Search:
         return fit.rank <= MOST_OF_ALL and not self.exceed_noise(fit.residuals)
 
     def improvement(self, before: Fit, after: Fit) -> float:
-        """Return by how much the decrease of χ² between two fits exceeds what noise may cause.
+        """Return by how much χ² decreases from one fit to another, less what noise may cause.
 
-        It is positive if the second fit, which has more parameters, is significantly better.
+        It is positive if the fit `after`, which has more parameters, is significantly better.
         """
         decrease = self.data.chi2_decrease(before.residuals, after.residuals)
         return decrease - self._critical(after.rank - before.rank)

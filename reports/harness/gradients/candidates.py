@@ -118,6 +118,7 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
 
     Parameters
     ----------
+    exact : the exact Jacobians, from K states over J spans of time
     limits : difference of the engine's Jacobian from the exact one, divided by the span of time, in
         the limit of vanishing timesteps, (K, 6, 6), 1/s; each entry in the units of its row and
         column, rad and rad/s
@@ -153,11 +154,13 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
 
 
 def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """Yield words, and the exact Jacobians with rows or columns of attitude or ω set to zero.
+    """Yield a mistake in words, and the exact Jacobians with rows or columns set to zero.
+
+    They are those of attitude or of ω.
 
     Parameters
     ----------
-    P : the exact Jacobians, (J, K, 6, 6)
+    P : the exact Jacobians, from K states over J spans of time, (J, K, 6, 6)
     """
     for what, first in {"attitude": 0, "ω": 3}.items():
         three = slice(first, first + 3)
@@ -168,7 +171,7 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield words, and the exact Jacobians with attitude, ω or both in world axes.
+    """Yield a mistake in words, and the exact Jacobians with attitude, ω or both in world axes.
 
     For changes δθ of the attitude and δω of ω, in body axes, ω along world axes changes by
     R (δω − ω × δθ), with R from body to world. An engine that only turns the derivative to world
@@ -195,9 +198,9 @@ def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _ends(exact: Exact) -> list[list[tuple[FloatArray, FloatArray]]]:
-    """Return J lists, one a span of time, of the exact attitudes and ω at its end from K states.
+    """Return the states to which the exact motion leads from K states in each of J spans of time.
 
-    Each of the K items is an attitude, (4,), and ω, rad/s, (3,).
+    There is a list for each span, with K pairs of attitude, (4,), and ω, rad/s, body axes, (3,).
     """
     count = exact.count
     rows = np.tile(np.arange(count), len(exact.spans))
@@ -229,9 +232,9 @@ def _to_world(
 
 
 def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield words, and the Jacobians if a part of the derivative of dx/dt by x is left out.
+    """Yield a mistake in words, and the Jacobians that it gives: a derivative that lacks a part.
 
-    x is attitude and ω in the chart.
+    It is the derivative of dx/dt by x, with x the attitude and ω in the chart.
     """
     words = {name: f"the {name} is not differentiated" for name in TERMS}
     for name in ("ω", "I ω"):
@@ -269,6 +272,7 @@ class _Rates:
 
     Parameters
     ----------
+    equations : the scene's equations
     state : one state
     units : units of the changes of attitude and ω by which the differences are taken
     """
@@ -289,7 +293,7 @@ class _Rates:
         return self._whole(self._derivative(name) - self.exact)
 
     def without_turn(self, first: int) -> FloatArray:
-        """Return the error of the derivative of dx/dt by x if the attitude's lacks a part, (6, 6).
+        """Return the error of the derivative of dx/dt by x if rows of attitude lack a part, (6, 6).
 
         x is attitude and ω in the chart. Small changes of the two obey δθ' = δω − ω × δθ.
 
@@ -346,7 +350,7 @@ class _Rates:
         torque: FloatArray,
         weighed: tuple[FloatArray, FloatArray],
     ) -> FloatArray:
-        """Return the torque with the reaction of the table that a body stands on, N m, (3,).
+        """Return the torque that includes that of the table under a body, N m, body axes, (3,).
 
         Parameters
         ----------

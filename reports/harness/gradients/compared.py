@@ -219,7 +219,7 @@ class MethodStudy:
         """Return the row of a derivative that the engine computes.
 
         If the engine's code raises an error, the verdict is `failed` or `unsupported`, with the
-        error as the reason.
+        error as the reason. If its Jacobians cannot be used, as `_found` says, it is `disagrees`.
 
         Parameters
         ----------
@@ -244,9 +244,9 @@ class MethodStudy:
         Parameters
         ----------
         target : the Jacobians that the engine's Jacobians are compared with
-        found : the engine's Jacobians, (J, K, 6, 6)
-        is_step : whether `found` are derivatives of steps; if so, they are also compared with the
-            engine's own steps
+        found : the engine's Jacobians at J timesteps from K states, (J, K, 6, 6)
+        is_step : whether the engine differentiates its steps, not dω/dt; if so, `found` are also
+            compared with finite differences of these steps
         name : the engine's name for the derivative
         """
         epsilon = self.sessions.first.derivatives()[name].epsilon

@@ -53,7 +53,7 @@ class Units:
         return float(self.ulp ** (1 / (ORDER + 1)))
 
     def of(self, jacobians: FloatArray) -> FloatArray:
-        """Return Jacobians, (..., 6, 6), in these units."""
+        """Return Jacobians, (..., 6, 6), given in rad and rad/s, in these units."""
         return np.asarray(jacobians / self.each[:, None] * self.each)
 
 
@@ -236,7 +236,7 @@ def _error_bound(units: Units, found: FloatArray, other: FloatArray) -> FloatArr
 
     Parameters
     ----------
-    found, other : the Jacobians, and others with another error, (J, K, 6, 6)
+    found, other : the Jacobians from K states, and others with another error, (J, K, 6, 6)
     """
     apart = np.abs(units.of(found - other)).max(axis=(1, 2, 3))
     return np.asarray(np.maximum(apart, ULPS * units.ulp / units.change))

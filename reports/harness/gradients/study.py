@@ -45,7 +45,7 @@ def gradient_by(
 ) -> GradientRow:
     """Judge one derivative in another process, and return its row.
 
-    If that process dies, the row's verdict is `failed`.
+    If the call fails, as when that process dies, the row's verdict is `failed`.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def gradients_of(
 ) -> list[GradientRow]:
     """Judge a method's derivatives, and return a row for each.
 
-    If none can be judged, one row with the reason is returned.
+    If the engine cannot be opened, one row is returned whose verdict says why.
 
     Parameters
     ----------

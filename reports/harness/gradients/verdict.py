@@ -65,12 +65,14 @@ def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: flo
 
 
 def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
-    """Return the verdict on the Jacobians of steps.
+    """Return the verdict on the Jacobians of steps, by comparison with the exact ones.
+
+    If they disagree, the verdict's reason is the first of `candidates` that explains them, if any.
 
     Parameters
     ----------
     exact : the exact Jacobians
-    found : the Jacobians to be judged, (J, K, 6, 6)
+    found : the Jacobians to be judged, from K states over J spans of time, (J, K, 6, 6)
     noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
     """
     units = exact.units
@@ -106,7 +108,8 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     Parameters
     ----------
     one : the verdict by comparison with the exact Jacobians
-    found : the Jacobians that the engine computes, (J, K, 6, 6)
+    exact : the exact Jacobians
+    found : the Jacobians that the engine computes, from K states with J timesteps, (J, K, 6, 6)
     own : the Jacobians that finite differences of the engine's steps give
     noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
     """
@@ -138,7 +141,7 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
 
     Parameters
     ----------
-    off : differences of Jacobians from the exact ones, (J, K, 6, 6)
+    off : differences of Jacobians from the exact ones, over J spans of time, (J, K, 6, 6)
     noise : standard deviation of each column's gain, 1/s, (J, 6)
     """
     J, K = off.shape[:2]
@@ -156,7 +159,7 @@ def _gains(exact: Exact, off: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    off : the differences, (J, K, 6, 6)
+    off : the differences, for J spans of time and K states, (J, K, 6, 6)
     """
     return np.asarray(exact.units.of(off) / exact.spans[:, None, None, None])
 
@@ -172,7 +175,7 @@ def _tail(series: list[GainSeries]) -> float:
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:
-    """Return the limits of gains as matrices with the rows and columns of Jacobians, (K, 6, 6).
+    """Return the limits of gains, 1/s, with the rows and columns of Jacobians, (K, 6, 6).
 
     Parameters
     ----------

@@ -54,7 +54,10 @@ class Gradient:
 
 
 def counts_to(last: int) -> list[int]:
-    """Return numbers of steps after which gradients are compared: powers of two, and `last`."""
+    """Return numbers of steps after which gradients are compared, ascending.
+
+    They are the powers of two below `last`, and `last`.
+    """
     return [*(2**k for k in range(last.bit_length()) if 2**k < last), last]
 
 
@@ -100,8 +103,9 @@ def own_over(
     ----------
     start : the state in which all runs begin
     timestep : s
-    counts : numbers of steps, (n,)
-    conditioning : factors by which the motion multiplies changes of its start, (n,)
+    counts : the numbers of steps, (n,)
+    conditioning : for each, the largest factor by which the motion multiplies a change of its
+        start, (n,)
     """
     shares = conditioning ** (-ORDER / (ORDER + 1))
     return [

@@ -148,7 +148,7 @@ class _Examination:
 
     @cached_property
     def first(self) -> Look:
-        """The steps that are taken first: without settling, and with the fewest repeats."""
+        """The steps that are taken first: no constraint settles before, and repeats are fewest."""
         return self._take(0, self._repeats[0], self.at.timesteps)
 
     @property
@@ -179,9 +179,10 @@ class _Examination:
     def unless_random(self, found: StepEvidence) -> StepEvidence:
         """Return the evidence; its fault becomes `random` if the engine is not deterministic.
 
-        It is not if the steps that show the fault, taken twice more from the same states, differ by
-        a quarter of the fault or more. As the fault is the largest deviation among many steps, two
-        of them rarely differ by all of it.
+        The steps that show the fault are taken twice more from the same states. The engine is not
+        deterministic if the two results differ by a quarter of the fault or more: as the fault is
+        the largest deviation among many steps, two steps rarely differ by all of it. If the engine
+        refuses these steps, the evidence is returned as it is.
         """
         if (fault := found.fault) is None:
             return found
@@ -236,8 +237,8 @@ class _Examination:
     def _hinges_may_explain(self, look: Look) -> bool:
         """Return whether hinges that give way, as soft constraints do, may explain a fault.
 
-        They may if the fault is of the kind `limit`, that is, if gains tend to a limit other than
-        zero, and if none of the `HALVINGS` timesteps has been left out.
+        They may if there are rotors, if the fault is of the kind `limit`, that is, if gains tend to
+        a limit other than zero, and if none of the `HALVINGS` timesteps has been left out.
         """
         has_hinges = look.steps.before.spins.size and len(self.at.timesteps) == HALVINGS
         return bool(has_hinges and look.tail < LEVEL and kind_of(look) == "limit")
@@ -321,13 +322,14 @@ class _Examination:
         return Look(equations, steps, gains, noise, settle, is_single, split, apart)
 
     def _states(self, repeats: int, *, is_changed: bool = False) -> State:
-        """Return the states, each repeated R times, R K in all.
+        """Return the K states from which steps are taken, each repeated R times, R K in all.
 
-        They are changed at random if R > 1 or `is_changed`.
+        They are changed a little at random if R > 1 or `is_changed`.
 
         Parameters
         ----------
         repeats : R
+        is_changed : whether the states are changed even if R is 1
         """
         if repeats == 1 and not is_changed:
             return self.at.states
@@ -337,7 +339,11 @@ class _Examination:
         """Return the timesteps at which steps are taken, s, long to short.
 
         These are the halved timesteps, one timestep between two of them, and the engine's stock
-        timesteps in the same range.
+        timesteps in the same range. In single precision the shortest are left out.
+
+        Parameters
+        ----------
+        halved : timesteps, each half of the one before, s
         """
         engine = self.sessions.engine
         if engine.single_precision:
@@ -354,6 +360,10 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
     If it does, the distance of com or velocity from the values that the constraint demands depends
     on the timestep. If instead the engine holds another body, or misreads it, that distance is the
     same at all timesteps.
+
+    Parameters
+    ----------
+    steps : single steps at several timesteps, before which no constraint has settled
     """
     velocity, position = (
         steps.by_timestep(norms(off)) for off in off_the_constraint(equations, steps.after)
@@ -370,9 +380,9 @@ def gives_way(equations: Equations, engine: Engine, steps: Steps) -> bool:
 def gives_in(look: Look, settled: Look) -> bool:
     """Return whether hinges give way, so that they must settle before steps are judged.
 
-    How far a hinge gives way cannot be read from an engine. If hinges give way, the limits of the
-    quantity with the smallest tail shrink to less than half once the hinges have settled. If a
-    fault makes the limits, they remain.
+    How far a hinge gives way cannot be read from an engine. If hinges give way, the limits of gains
+    in the quantity with the smallest tail shrink to less than half once the hinges have settled. If
+    a fault makes the limits, they remain.
 
     Parameters
     ----------

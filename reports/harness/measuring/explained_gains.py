@@ -43,7 +43,10 @@ class Gains(Data):
     noise: FloatArray
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the limits less what H hypotheses explain, in units of `scale`, (H, K, 4, 3)."""
+        """Return the limits of gains less those by H hypotheses, in units of `scale`, (H, K, 4, 3).
+
+        By a hypothesis, the limit of a gain is the difference of its rates from the scene's.
+        """
         made = np.stack([self.made(hypotheses[k]) for k in range(len(hypotheses))])
         off = (self.excess - made + self.exact) / self.scale[..., None]
         return np.asarray(off)
@@ -119,8 +122,9 @@ class Gains(Data):
 
 
 def explanations(gains: Gains) -> tuple[Explanation, ...]:
-    """Return the change of the equations, or the pair of changes, that explains gains.
+    """Return the change, or the pair of changes, that explains the limits of an engine's gains.
 
+    The changes are those of the equations, of the step's length, or of how ω and velocity are read.
     The result is empty if no change and no pair does.
     """
     scenario = gains.equations.scenario

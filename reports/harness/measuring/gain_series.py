@@ -121,7 +121,7 @@ def fitted(
     Parameters
     ----------
     timesteps : long to short, s, (J,)
-    gains : per second, in any unit, (J, K, 3)
+    gains : gains of the steps from K states, in any unit, (J, K, 3)
     noise : standard deviation of each component of a gain, (J, K)
     level : the significance level; a tail below it is a fault
     turns : the angle by which each step turns the body, or the angle's rank, (J, K); None if it is
@@ -158,9 +158,9 @@ def fitted(
 
 
 def _likeliest(fit: Callable[[int], T]) -> T:
-    """Return the fit with the most likely order.
+    """Return the fit of a series with the most likely order.
 
-    Orders are tried from the lowest up, until the likelihood decreases.
+    The orders in `ORDERS` are tried from the lowest up, until the likelihood decreases.
 
     Parameters
     ----------
@@ -176,7 +176,12 @@ def _likeliest(fit: Callable[[int], T]) -> T:
 
 
 def _one_series(fit: Regression, *, is_pooled: bool) -> GainSeries:
-    """Return the result of a fit in which all timesteps follow one series."""
+    """Return the result of a fit in which the gains at all timesteps follow one series.
+
+    Parameters
+    ----------
+    is_pooled : whether the limits of the states are independent, so that they are tested together
+    """
     limit, limit_error, limit_tails = fit.limit
     return GainSeries(
         fit.order,
@@ -266,7 +271,10 @@ class _Splits:
 
     @staticmethod
     def of(measured: Measured, order: int) -> "_Splits":
-        """Fit series of a given order to the gains, split in all ways."""
+        """Fit series of a given order to the gains, with timesteps split in all ways.
+
+        The ways are those of `Measured.changes`.
+        """
         count = len(measured.x)
         edges = [(0, count), *((0, change, count) for change in range(1, count))]
         parts = [

@@ -79,7 +79,8 @@ class Intervals:
     def some_again(self, kept: NDArray[np.intp], starts: State) -> State:
         """Run K of the intervals from given starts, and return the K states in which they end.
 
-        Each is restarted on the way, as a fault could act in step with the samples.
+        The session is restarted once in each interval, after the number of steps in `parts`, as a
+        fault could act in step with the samples.
 
         Parameters
         ----------
@@ -126,7 +127,7 @@ class Intervals:
         )
 
     def _record(self, k: int, each: int) -> tuple[list[int], list[Any]]:
-        """Run interval k again, and record a snapshot after every `each` steps.
+        """Run interval k again with a restart, and record a snapshot after every `each` steps.
 
         Returns
         -------
@@ -192,10 +193,11 @@ class Passage:
         return chosen if is_few else replace(chosen, timesteps=at.timesteps[-LEAST:])
 
     def _abrupt(self, scenario: Scenario, most: int) -> NDArray[np.intp]:
-        """Return indices of the stretches whose gain differs most from the mean of its neighbours.
+        """Return indices of the stretches whose gains differ most from those before and after.
 
-        At most `most` of them are chosen for each quantity. There are none if the motion turns too
-        far to be followed, or has fewer than three stretches.
+        A gain is compared with the mean of the gains of the two neighbouring stretches. At most
+        `most` stretches are chosen for each quantity. There are none if the motion turns too far to
+        be followed, or has fewer than three stretches.
         """
         turn = fastest_rate(scenario, self.before.omega_body) * float(self.times[-1])
         if turn > FARTHEST_TURN or len(self.times) < 3:

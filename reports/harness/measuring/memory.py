@@ -40,6 +40,7 @@ def explained_by_memory(replay: Replay, settled: int) -> ReplayEvidence:
 
     Parameters
     ----------
+    replay : the differences between the run and the replays of its intervals
     settled : number of steps in which a constraint settled before the steps that were examined
     """
     shown, intervals = replay.evidence, replay.intervals

@@ -72,7 +72,8 @@ def noise_of(
 
     Returns
     -------
-    The standard deviation of each component, in the units of the gains, (J, K, Q)
+    The standard deviation of each component, in the units of the gains, for J timesteps, K states
+    and Q quantities, (J, K, Q)
     """
     scenario, rounding = equations.scenario, ULPS * engine.ulp
     spans, sizes = steps.timesteps[:, None], term_sizes(equations, steps)
@@ -108,15 +109,16 @@ def noise_of(
 
 
 def noise_of_steps(equations: Equations, steps: Steps) -> FloatArray:
-    """Return the noise of gains if each step has a relative error of `NOISE`, (J, 1, Q).
+    """Return the noise of gains if each step has a relative error of `NOISE`.
 
-    It is the largest noise of all states, in the units of the gains.
+    It is the largest noise of all states, in the units of the gains, for J timesteps and Q
+    quantities, (J, 1, Q).
     """
     return np.asarray(NOISE * roundings(equations, steps).max(axis=1, keepdims=True))
 
 
 def term_sizes(equations: Equations, steps: Steps) -> FloatArray:
-    """Return the size of each quantity's rate of change, which gains are compared with, (Q,).
+    """Return the size of the rate of change of each of Q quantities, to compare gains with, (Q,).
 
     It is the sum of the sizes of the rate's terms, however they cancel. The largest sum of all
     states is taken, in the units of gains. On a pivot, the sizes of velocity and position are those
@@ -142,7 +144,7 @@ def term_sizes(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
-    """Return the size of the weakest effect in each quantity, (Q,); infinite where no effect acts.
+    """Return the size of the weakest effect in each of Q quantities, (Q,); infinite if none acts.
 
     The size of an effect is the largest size of its term in any state, in the units of gains.
     Torques of the same kind count as one effect. An effect is ignored if `SEEN` times its size is
@@ -159,9 +161,10 @@ def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _torques(equations: Equations, states: State) -> FloatArray:
-    """Return the sizes of three torques in n states, N m, (n, 3).
+    """Return the sizes of three torques in n states, N m, (n, 3): constant, of drag, and of weight.
 
-    They are the constant torque, the torque that depends on ω, and the torque of weight.
+    The size of the torque of weight is the largest at any attitude, m g times the arm. It is zero
+    for a free body.
     """
     scenario = equations.scenario
     still, pushed = (
@@ -175,9 +178,10 @@ def _torques(equations: Equations, states: State) -> FloatArray:
 
 
 def roundings(equations: Equations, steps: Steps) -> FloatArray:
-    """Return the largest change of each gain by a relative error of the state, per unit of error.
+    """Return how much a relative error of the state after a step changes each gain.
 
-    The shape is (J, K, Q).
+    It is the largest change, in the units of the gains, divided by the relative error, for J
+    timesteps, K states and Q quantities, (J, K, Q).
     """
     states, spans = steps.before, steps.spans
     speeds = np.maximum(norms(states.omega_body), norms(steps.after.omega_body))

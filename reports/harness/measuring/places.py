@@ -135,6 +135,7 @@ def changed_at_random(
     ----------
     size : standard deviation of each component of the change: in rad for the attitude, and relative
         to their norms for vectors
+    chance : the generator of random numbers from which the change is drawn
     """
     turn, omega_change, velocity_change, com_change = size * chance.standard_normal((4, 3))
     q = states.q_world_body_wxyz @ times(np.append(1.0, turn / 2) / np.sqrt(1 + turn @ turn / 4))
@@ -158,9 +159,9 @@ def _condition_of_flight(scenario: Scenario) -> float:
     """Return how much a free body's com away from the origin adds to `Places.condition`.
 
     Engines that solve for rotation and translation together compute the moment about the com as
-    that about the body's origin less m r², with r the distance between the two. Digits
-    cancel in it: returned is m r² divided by the smallest principal moment about the com. On a
-    pivot 0 is returned.
+    that about the body's origin less m r², with r the distance between the two. Digits cancel in
+    this difference. The result is m r² divided by the smallest principal moment about the com; on a
+    pivot it is 0.
     """
     if scenario.constraint.is_pivot:
         return 0.0

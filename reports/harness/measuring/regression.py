@@ -60,7 +60,7 @@ class Measured:
         Parameters
         ----------
         timesteps : long to short, s, (J,)
-        gains : (J, K, 3)
+        gains : the gains from K states, per second, (J, K, 3)
         noise : standard deviation of each component of a gain, (J, K)
         turns : the angle by which each step turns the body, or the angle's rank, (J, K); the
             timesteps are used if it is None
@@ -76,17 +76,23 @@ class Measured:
         return Measured(x, scaled, shared, units, amplitudes, turns, float(x[len(x) // 3]))
 
     def changes(self, last: int) -> NDArray[np.intp]:
-        """Return the n ways in which the timesteps of each state are split into two series.
+        """Return n ways to split the timesteps of each state into a longer and a shorter series.
 
-        A method may compute steps by another formula below some timestep, or below some angle by
-        which the body turns in a step. So there is one way for each timestep up to index `last`, at
-        which all states are split. And there is one way for each angle by which some step turns the
-        body: the steps that turn it by no more follow the second series. Ways by an angle that
-        split no state at an index up to `last` are left out.
+        A method may compute a step by another formula if its timestep, or the angle by which the
+        body turns in it, is small enough. There is one way for each index up to `last`, at which
+        the timesteps of all states are split. There is one more way for each angle: it puts the
+        steps that turn the body by more into the first series, and the others into the second. A
+        way by an angle is left out if it splits no state at an index up to `last`, or if in some
+        state both series would have too few timesteps to determine a limit.
+
+        Parameters
+        ----------
+        last : the largest index at which the second series may begin
 
         Returns
         -------
-        The index of the first timestep of the second series, (n, K); 0 where there is only one
+        The index of the first timestep of the second series, for each way and state, (n, K); 0 if
+        the way leaves the timesteps of a state in one series
         """
         count, states = self.turns.shape
         by_timestep = np.repeat(np.arange(1, last + 1)[:, None], states, axis=1)
@@ -140,7 +146,12 @@ class Regression:
     def of(measured: Measured, order: int, *, has_constant: bool = False) -> "Regression":
         """Return the regression of all gains on a series of a given order.
 
-        A gain beyond the radius of convergence may be as large as the largest of all gains.
+        A gain at a timestep beyond the radius of convergence may be as large as the largest gain.
+
+        Parameters
+        ----------
+        order : lowest power of the timestep in the series
+        has_constant : whether a constant is added to the series
         """
         x, radii = measured.x, _inverse_radii(measured)
         scaled = radii[:, None] * x
@@ -152,7 +163,7 @@ class Regression:
         return Regression(measured, order, radii, noise, basis, has_constant)
 
     def before(self, j: int) -> "Regression":
-        """Return the regression of the gains at the j longest timesteps, with the same grid."""
+        """Return the regression of the gains at the j longest timesteps, with the same pairs."""
         of_first = self.measured.part(0, j)
         return replace(self, measured=of_first, noise=self.noise[:, :j], basis=self.basis[:, :j])
 
@@ -184,7 +195,10 @@ class Regression:
 
     @cached_property
     def evidence(self) -> FloatArray:
-        """The logarithm of the likelihood of each state's gains, for each pair, (R A, K)."""
+        """The logarithm of the likelihood of each state's gains, without a constant, (R A, K).
+
+        There is one for each pair of radius and amplitude.
+        """
         _, _, _, projected = self._decomposition
         each = self._inverse_variances @ (projected**2).sum(axis=2)
         scale = (
@@ -195,7 +209,10 @@ class Regression:
 
     @cached_property
     def constants(self) -> tuple[FloatArray, FloatArray]:
-        """The best-fitting constant for each pair, (R A, 3, K), and its standard error, (R A,)."""
+        """The constant that, added to the series, fits best for each pair of the grid, (R A, 3, K).
+
+        It is followed by the standard error of its components, (R A,).
+        """
         left, _, _, projected = self._decomposition
         ones, (R, J, _, K) = left.sum(axis=2), projected.shape
         precision = (self._inverse_variances @ (ones**2)[:, :, None]).reshape(-1)
@@ -288,12 +305,16 @@ class Regression:
         return tails, np.swapaxes(means * units, 1, 2), errors * units
 
     def _prediction(self, j: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the prediction of gain j from the gains at longer timesteps, by n likely pairs.
+        """Return the predictions of gain j from the gains at longer timesteps, by n likely pairs.
+
+        A pair is a radius of convergence and an amplitude of the series. Pairs that are improbable
+        in all states are left out.
 
         Returns
         -------
-        The mean of the prediction by each pair, (n, 3, K), its variance, (n,), and the posterior
-        probability of each pair, given the gains at longer timesteps, (n, K)
+        The mean of each pair's prediction, (n, 3, K), the variance of a component of it, (n,), and
+        the posterior probability of each pair in each state, given the gains at longer timesteps,
+        (n, K)
         """
         known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[2]
         weights = _normalised(known.evidence + self._log_prior)[0]

@@ -52,8 +52,8 @@ def examine_runs(
 
     Parameters
     ----------
-    at : the exact states and timesteps at which single steps were examined
-    found : the evidence from these steps
+    at : the exact states and timesteps at which single steps were examined before
+    found : the evidence from these single steps
     ladder : the runs of the ladder, the longest timestep first
     others : runs at other timesteps, all of which are replayed
 

@@ -33,6 +33,7 @@ def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) ->
 
     Parameters
     ----------
+    look : the steps, their gains and the series
     at : the states from which the steps were taken
     order : the declared order; 0 in single precision
     explains : whether changes of the equations of motion that explain a fault are looked for
@@ -57,7 +58,7 @@ def kind_of(look: Look) -> FaultKind:
 
 
 def _order_shown(look: Look, declared: int) -> int:
-    """Return the lower of the fitted orders of the gains in attitude and in I ω.
+    """Return the lower of the orders of the series of gains in attitude and in I ω.
 
     A quantity whose gains are not well above noise is ignored. If both are ignored, the declared
     order is returned.
@@ -116,6 +117,9 @@ def _worst(look: Look) -> tuple[int, int]:
 
 def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
     """Return the kind of a fault, and the index of a timestep that shows it.
+
+    It is a `leap` if the error of the shortest steps does not depend on the timestep, `timestep` if
+    one timestep deviates, `shorter` if only gains at shorter timesteps do not vanish, else `limit`.
 
     Parameters
     ----------

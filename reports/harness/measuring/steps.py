@@ -84,7 +84,13 @@ class Sessions:
         return before, batch.snapshots(places)
 
     def _single_step(self, state: State, timestep: float, settle: int) -> tuple[Any, Any]:
-        """Return the snapshots before and after a step from one state; see `single_steps`."""
+        """Return the snapshots before and after a step from one state.
+
+        Parameters
+        ----------
+        timestep : s
+        settle : number of steps that are taken before the first snapshot
+        """
         with self.at(state, timestep) as session:
             if settle:
                 session.advance(settle)
@@ -136,7 +142,10 @@ class Steps:
     repeats: int = 1
 
     def by_timestep(self, rows: FloatArray) -> FloatArray:
-        """Return rows, (J R K, …), as an array by timestep, repeat and state, (J, R, K, …)."""
+        """Return an array with a row for each step, (J R K, …), in the shape (J, R, K, …).
+
+        The new axes are those of timesteps, repeats and states.
+        """
         return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])
 
 

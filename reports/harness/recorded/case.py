@@ -35,6 +35,8 @@ class Case:
 
     Attributes
     ----------
+    scenario : the scene whose exact motion the recording is compared with
+    recording : the numbers of the file
     reading : the samples of the recording, read in one way
     exact : the exact motion at the times of the reading
     recorded : the recorded motion in that reading
@@ -73,9 +75,9 @@ class Case:
 
     @property
     def reach(self) -> int:
-        """The number of samples before, and after, each sample from which its ω is computed.
+        """How many samples before each sample, and how many after it, its ω is computed from.
 
-        It is 0 if ω was recorded.
+        The number is the same on both sides; it is 0 if ω was recorded.
         """
         return self.recorded.derived.reach if self.recorded.derived else 0
 
@@ -187,7 +189,7 @@ class Case:
 
     @cached_property
     def physics(self) -> Physics:
-        """The search for other equations, an integrator or a clamp of ω that explain the motion."""
+        """The search for other equations, an integrator or a bound on ω that explain the motion."""
         of_method = self.timestep, self.order, self.of_intervals
         return Physics(self.scenario, self.motion, self.exact, *of_method, self.reach)
 
@@ -199,8 +201,8 @@ class Case:
     def jumps(self, base: Hypothesis | None = None) -> list[Jump]:
         """Return the jumps of the motion: the few intervals in which it disobeys the equations.
 
-        The list is empty if there is none, or if the motion disobeys the equations in too many
-        intervals.
+        The list is empty if there is none, if the motion disobeys the equations in too many
+        intervals, or if its samples are too few, or too far apart, to be compared with them.
 
         Parameters
         ----------

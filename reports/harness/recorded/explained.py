@@ -87,8 +87,13 @@ def explained(case: Case) -> Explanation:
 def _with_remainder(case: Case, found: Finding) -> Explanation:
     """Return a finding and what explains the rest of the difference from the exact motion.
 
-    The cases in `Finding.left` are explained in turn. The first that is explained fully is used; if
-    none is, the last one.
+    The cases in `Finding.left` are explained one after another. The first that is explained fully
+    is used; if none is, the last one.
+
+    Parameters
+    ----------
+    case : the case before any of its samples are corrected or left out
+    found : the finding in it
     """
     remainder = None
     for left in found.left:
@@ -187,8 +192,8 @@ def _since_exactly(case: Case) -> Explanation | None:
 
     Returns
     -------
-    None if there is no such sudden change, if some samples are too far apart, or if the recording
-    does not begin at the scene's start
+    None if there is no such sudden change, if there are too few samples or some are too far apart,
+    or if the recording does not begin at the scene's start
     """
     physics = case.physics
     of_method = case.timestep, case.order, case.of_intervals
@@ -216,7 +221,8 @@ def _since_exactly(case: Case) -> Explanation | None:
 def _beside_a_mistake(case: Case) -> Explanation | None:
     """Return a mistake in recording, together with what explains the corrected motion.
 
-    Only those mistakes are tried after whose correction ω is the rate of the attitude.
+    A mistake is tried only if, once it is corrected, ω is the rate at which the attitude turns. At
+    most `MOST_TRIED` are tried.
 
     Returns
     -------
@@ -331,7 +337,8 @@ def _of_attitudes(case: Case) -> list[str]:
 def _of_equations(case: Case) -> list[str]:
     """Return sentences on the clamp of ω, or else on the other equations, that explain a motion.
 
-    After a sentence on a clamp, further ones explain the motion before ω reaches its bound.
+    A clamp is a bound that ω is limited to. After the sentence on it, further ones explain the
+    motion before ω reaches the bound. The list is empty if neither explains the motion.
     """
     if not case.physics.clamps:
         return case.physics.explained()
@@ -371,6 +378,9 @@ def _of_measured(fit: Measured, case: Case) -> Explanation:
 
 def _verdict(physics: Physics, is_beyond: bool, *, is_explained: bool) -> str:
     """Return a sentence on whether a motion's errors are larger than those of its method.
+
+    If they are not known to be larger, and the samples are too few or too far apart to compare
+    them, the sentence says that.
 
     Parameters
     ----------

@@ -30,8 +30,8 @@ class Finding(NamedTuple):
     left : the recording with the mistake corrected or the wrong samples left out, in one or more
         alternative cases. They are explained in turn, until one is explained fully. Empty if
         nothing remains to be explained, or too few samples do
-    is_beyond : whether the finding is more than the error of a method; None if the deviations of
-        the motion decide that
+    is_beyond : whether the finding alone shows that the motion differs from the exact one by more
+        than a method's error; None if the size of that difference decides this
     is_all : whether each case in `left` has all samples of the recording, and not only some
     """
 
@@ -50,11 +50,13 @@ def finding(case: Case) -> Finding | None:
 
 
 def _of_numbers(case: Case) -> Finding | None:
-    """Return the finding from digits, or from odd samples or columns; None if there is none.
+    """Return the mistake, or coarse rounding, that numbers alone show; None if there is none.
 
+    Digits are looked at first, and then single samples and columns that differ from the others.
     `Finding.left` has one case if all samples can be corrected: the corrected recording. It also
     has one if no sample is wrong: the recording as it is. Otherwise it has two cases: the recording
-    without its wrong samples, and the samples before the first wrong one.
+    without its wrong samples, and the samples before the first wrong one. Cases with too few
+    samples are left out.
     """
     shown = shown_by_digits(case.numbers)
     if case.noise.any():
@@ -78,7 +80,10 @@ def _of_numbers(case: Case) -> Finding | None:
 
 
 def _odd_samples(case: Case) -> Shown | None:
-    """Return the mistake that single samples or columns show beside the others; None if none."""
+    """Return the mistake that single samples or columns show, as they differ from the others.
+
+    None is returned if there is no such mistake.
+    """
     numbers = case.numbers
     found = interpolated(numbers) or lost_sign(case.reading, numbers) or across_signs(numbers)
     if found or numbers.omega is None:
@@ -93,9 +98,10 @@ def _odd_samples(case: Case) -> Shown | None:
 
 
 def _of_mistakes(case: Case) -> Finding | None:
-    """Return mistakes in recording, and the case with them corrected; None if none is found.
+    """Return mistakes in recording, such as a wrong unit; None if none is found.
 
-    If mistakes have been corrected more than `MOST_UNDONE` times before, no more are looked for.
+    `Finding.left` has the case in which they are corrected; it is empty if they cannot be. If
+    mistakes have been corrected more than `MOST_UNDONE` times before, no more are looked for.
     """
     reading, scenario = case.reading, case.scenario
     if case.undone > MOST_UNDONE:
@@ -111,7 +117,10 @@ def _of_mistakes(case: Case) -> Finding | None:
 
 
 def _of_times(case: Case) -> Finding | None:
-    """Return the finding that each recorded state is the exact one at another time; or None."""
+    """Return the finding that each recorded state is the exact one at another time.
+
+    None is returned if the states are not exact ones at other times.
+    """
     words = warped(case.scenario, case.motion, case.exact, case.of_intervals)
     return Finding((words,)) if words else None
 

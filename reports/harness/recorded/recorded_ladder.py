@@ -114,13 +114,14 @@ def _steps(
     motions: Sequence[Trajectory],
     resolution: float,
 ) -> StepEvidence | None:
-    """Return the evidence of gains from sample to sample, as far as errors are small.
+    """Return the evidence of the gains from sample to sample, while errors are small.
 
-    An interval is used only if it ends before the attitude of the motion with the longest timestep
-    is off by more than `TOGETHER`.
+    An interval between samples is used only if it ends before the attitude of the motion with the
+    longest timestep is off the exact one by more than `TOGETHER`.
 
     Parameters
     ----------
+    study : the convergence study of the files, which has the exact motion at the same times
     timesteps : timesteps of the files, s, from the longest to the shortest, (J,)
     motions : motions of the files, in the order of `timesteps`, all at the same times
     resolution : relative resolution of the numbers in the files
@@ -158,8 +159,8 @@ def _steps(
 def verdict_on_files(study: ConvergenceStudy) -> Verdict:
     """Return the verdict on the files' method.
 
-    If it is `unresolved` because the study has no evidence of gains, its text says how many files
-    a verdict takes.
+    If it is `unresolved` because the study has no evidence of gains, its text says which files a
+    verdict needs.
     """
     verdict = judge(study.records)
     if verdict.verdict != "unresolved" or study.steps is not None:
@@ -172,10 +173,11 @@ def verdict_on_files(study: ConvergenceStudy) -> Verdict:
 
 
 def results_of(study: ConvergenceStudy, explained_by: Sequence[str]) -> Results:
-    """Return the runs and the verdict as the results of one scene, from which pages are made.
+    """Return the runs and the verdict of a study as results, from which a report's pages are made.
 
     Parameters
     ----------
+    study : the convergence study of the files
     explained_by : sentences on mistakes or other physics that explain the motions' errors. If there
         are any, the verdict is `disagrees`
     """

@@ -190,10 +190,16 @@ def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> DerivedO
 
 
 def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> FloatArray:
-    """Return ω, rad/s, body axes, (n, 3), as 2 q⁻¹ q' from attitudes.
+    """Return ω, rad/s, body axes, (n, 3), as 2 q⁻¹ q' from n attitudes q.
 
-    The derivative q' is that of the polynomial through the attitudes around each sample, as many
-    as `samples`. Its weights are those of B. Fornberg, Math. Comp. 51 (1988) 699.
+    The derivative q' at a sample is that of the polynomial through the attitudes around it. Its
+    weights are those of B. Fornberg, Math. Comp. 51 (1988) 699.
+
+    Parameters
+    ----------
+    t : times of the attitudes, s, (n,)
+    q_world_body_wxyz : the attitudes, scalar first, (n, 4)
+    samples : the number of attitudes through which the polynomial passes; all n if they are fewer
     """
     # q and -q are one attitude.
     signs = np.sign(np.sum(q_world_body_wxyz[:-1] * q_world_body_wxyz[1:], axis=1))
@@ -214,6 +220,7 @@ def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> Floa
 
     Parameters
     ----------
+    t : times of the samples, s, (n,)
     first : index of the first point of each sample's stencil, (n,)
     points : the number of points of each stencil
     j : the number of the point in each stencil, from 0

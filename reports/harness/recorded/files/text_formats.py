@@ -259,14 +259,15 @@ def _object(line: str, number: int) -> dict[str, Any]:
 
 
 def _flat(record: dict[str, Any], number: int) -> Iterator[tuple[str, Any]]:
-    """Yield the columns that a record stands for, each with its value.
+    """Yield the name and the value of each column that a JSON object holds.
 
     A list of a quantity's components becomes one column for each component. Lists of anything else
     are left out.
 
     Parameters
     ----------
-    number : number of the record's line, for messages
+    record : the object, with its keys and values
+    number : number of its line, for messages
 
     Raises
     ------

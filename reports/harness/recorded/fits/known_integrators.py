@@ -108,9 +108,10 @@ class KnownIntegrators:
         return self._in_words(next(filter(None, every), None))
 
     def left_exactly(self, hypothesis: Hypothesis) -> float:
-        """Return the mean square of the residuals with a hypothesis' exact flow.
+        """Return the mean square of the deviations of the recorded states from an exact flow.
 
-        It is in units of the variance of noise.
+        The flow is that of a hypothesis' equations, from each sample to the next one. The mean
+        square is in units of the variance of noise.
         """
         return mean_square(
             self.intervals.spread(FEW).made_by(EXACT, 0.0).deviations(hypothesis[None])
@@ -122,14 +123,15 @@ class KnownIntegrators:
     ) -> Intervals | None:
         """Return the intervals with the integrator that computed the motion; None if none did.
 
-        None is also returned if the exact flow explains the motion, too.
+        An integrator did if the mean square of its residuals is at most `noise`, or at most `SAME`²
+        times `exactly`. None is also returned if the exact flow explains the motion, too.
 
         Parameters
         ----------
         each : the intervals, once for each integrator
+        hypothesis : the equations that the integrators solve
         exactly : mean square of the residuals with the exact flow, in units of the noise's variance
-        noise : the mean square up to which an integrator's residuals count as noise, in the same
-            units
+        noise : the mean square up to which residuals count as noise, in the same units
         """
         if not each or exactly <= 1:
             return None

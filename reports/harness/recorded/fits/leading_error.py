@@ -52,10 +52,11 @@ Tree = tuple[int, tuple["Tree", ...]]
 def left_by_methods(
     data: Intervals, orders: Sequence[int], timestep: float | None = None
 ) -> FloatArray:
-    """Return the residuals of S intervals after leading errors of methods are fitted, (6 S,).
+    """Return what fitted leading errors of methods leave of the deviations in S intervals, (6 S,).
 
-    They are in units of `data.scale`. The errors are combinations of elementary differentials.
-    Their coefficients, at most `LARGEST` in size, are fitted by least squares.
+    The deviations are those of the recorded ends from the flow of `data.base`, in units of
+    `data.scale`. The errors are combinations of elementary differentials. Their coefficients, at
+    most `LARGEST` in size, are fitted by least squares.
 
     Parameters
     ----------
@@ -161,7 +162,10 @@ def trees(count: int, colours: Sequence[int]) -> list[Tree]:
 
 
 def _forests(count: int, colours: Sequence[int]) -> list[tuple[Tree, ...]]:
-    """Return all forests, which are multisets of rooted trees, with `count` vertices in total."""
+    """Return all forests, which are multisets of rooted trees, with `count` vertices in total.
+
+    Each vertex has one of the given colours.
+    """
     if not count:
         return [()]
     forests = {
@@ -189,7 +193,7 @@ class _Differentials:
     rate: float
 
     def of(self, tree: Tree) -> FloatArray:
-        """Return a tree's elementary differential of q and ω, (n, 7), in units with `rate` 1.
+        """Return a tree's elementary differential of q and ω, (n, 7); the unit of time is 1/`rate`.
 
         With m subtrees at the root it is the m-th derivative of the right-hand side that the root
         stands for, in the directions of the subtrees' differentials. Derivatives are taken by

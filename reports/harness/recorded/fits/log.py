@@ -103,12 +103,12 @@ class Log(Data):
         return 6 if self.has_omega else 3
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals of H hypotheses, in standard deviations of noise.
+        """Return the deviations of the samples from what sensors read with H hypotheses.
 
         Returns
         -------
-        Residuals of attitude and ω, (H, n, 6), or of attitude alone, (H, n, 3), if ω was not
-        recorded
+        Deviations of attitude and ω, (H, n, 6), or of attitude alone, (H, n, 3), if ω was not
+        recorded; in standard deviations of noise
         """
         made = self.made(hypotheses, self.t)
         # With a far too large scale factor or delay, the readings of sensors may overflow.
@@ -138,12 +138,12 @@ class Log(Data):
         return follow_each(hypotheses, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
 
     def while_followed(self, exact: Trajectory) -> "Log":
-        """Return the log without the samples at the end that rounding of the start has reached.
+        """Return the log without the last samples, if a rounded start does not lead to them.
 
-        Near an unstable motion a difference of the start grows without bound. From the first sample
-        on at which the scene's own equations, followed from the start, are off the exact motion by
-        more than the fraction `LEFT` of the noise, no hypothesis can be compared with the
-        samples. The first `FEWEST` are kept in any case.
+        Near an unstable motion a difference of the start by rounding grows without bound. Once the
+        scene's own equations, followed from the start, are off the exact motion by more than the
+        fraction `LEFT` of the noise, no hypothesis can be compared with the samples: from there on
+        they are left out. The first `FEWEST` are kept in any case.
 
         Parameters
         ----------
@@ -183,15 +183,15 @@ class Log(Data):
         return np.asarray(squares + 3 * len(self.t) * fits[: squares.shape[1]] ** 2)
 
     def chi2_decreases(self, before: FloatArray, after: FloatArray) -> FloatArray:
-        """Return by how much each of M changes of equations or readings decreases χ², (M,).
+        """Return by how much each of M changes of equations or sensors decreases χ², (M,).
 
         If noise is not stated, twice the logarithm of the likelihood ratio is returned instead.
         Each likelihood has the noise that is estimated from its own residuals.
 
         Parameters
         ----------
-        before, after : residuals without the changes, (m,), and with each of them, (M, m), in
-            standard deviations of noise
+        before, after : deviations of the samples from the motion without the changes, (m,), and
+            with each of them, (M, m), in standard deviations of noise
         """
         if self.is_stated:
             return super().chi2_decreases(before, after)

@@ -55,10 +55,11 @@ START = Change("start", lambda h, n: h.of(start=h.start + n), np.ones(6))
 
 @dataclass(frozen=True, eq=False)
 class LogFit:
-    """The fit of a measured motion, with all changes of equations or readings that it requires.
+    """The fit of a measured motion, with all changes of equations or sensors that it requires.
 
     Attributes
     ----------
+    scenario : the scene whose exact motion is fitted
     given : the samples, with the noise that was stated, or estimated before any fit
     """
 
@@ -112,7 +113,7 @@ class LogFit:
 
     @cached_property
     def general(self) -> list[Change]:
-        """The changes, of equations or readings, that measured motions most often require."""
+        """The changes, of equations or sensors, that measured motions most often require."""
         equations = self.given.base
         scene = self.scenario, equations
         found = [START, self.tensor, TIMES, *resistance(*scene), *com(*scene)]
@@ -122,7 +123,7 @@ class LogFit:
 
     @cached_property
     def search(self) -> Stepwise:
-        """The search for the changes of equations or readings that the samples in `given` require.
+        """The search for the changes of equations or sensors that the samples in `given` require.
 
         Changes of a tensor's moments about given axes are not tried, as noise may hide that the
         tensor has other axes.
@@ -137,7 +138,7 @@ class LogFit:
 
     @cached_property
     def found(self) -> Fit:
-        """The best fit, with all changes of equations or readings that the samples require."""
+        """The best fit, with all changes of equations or sensors that the samples require."""
         search = self.search
         if not self._is_beyond(search.unchanged):
             every = replace(search, changes=[*search.changes, self.by_attitude])
@@ -193,18 +194,18 @@ class LogFit:
 
     @cached_property
     def uneven_times(self) -> list[str]:
-        """A list of the sentence that, within noise, each state is exact but for its time.
+        """A list of the sentence that each state is, within noise, the exact one at another time.
 
-        The list is empty if the states are not those of the exact motion at other times.
+        The list is empty if the states are not, or if all are late by about the same time.
         """
         return uneven_times(self.given, self.search.unchanged.residuals)
 
     @cached_property
     def right_by_itself(self) -> list[str]:
-        """A list of the sentence on what part of the recording is that of the exact motion.
+        """A list of the sentence on which part of the recording is exact, but for noise.
 
-        Within noise this may be all but the times, the attitude alone, or ω alone. The list is
-        empty if none of these agrees with the exact motion.
+        The part may be all but the times, the attitude alone, or ω alone. The list is empty if none
+        of these agrees with the exact motion, or if both attitude and ω do.
         """
         return self.uneven_times or right_by_itself(self.given, self.search.unchanged.residuals)
 

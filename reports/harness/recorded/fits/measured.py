@@ -38,7 +38,11 @@ class Measured(LogFit):
         )
 
     def tensor_in_words(self) -> str:
-        """Return a sentence with the fitted tensor and standard errors, or why none is given."""
+        """Return a sentence with the fitted tensor and its standard errors.
+
+        If the samples do not determine the tensor, or if residuals far exceed noise, the sentence
+        says that instead.
+        """
         if self.is_far:
             return "No tensor is given: what is left is far beyond noise."
         if not self.shows_tensor:
@@ -65,12 +69,12 @@ class Measured(LogFit):
         }
 
     def explained(self, but: Change | None = None) -> list[str]:
-        """Return sentences on the changes that the samples require, or on what part is exact.
+        """Return sentences on the changes that the samples require, or on which part is exact.
 
-        If the residuals exceed noise, and the attitudes alone, ω alone, or all but the times are
-        the exact motion's, the only sentence says so. If noise is not stated, it says so of all
-        but the times even if the residuals are within noise. If they far exceed noise, no changes
-        are named: the list is empty if no part is exact, either.
+        If the residuals exceed noise, and the attitudes alone, ω alone, or all but the times agree
+        with the exact motion, the only sentence says so. If noise is not stated and all but the
+        times agrees, the only sentence says so even if the residuals are within noise. If the
+        residuals far exceed noise and no part agrees, the list is empty.
 
         Parameters
         ----------

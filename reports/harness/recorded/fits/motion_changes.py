@@ -30,7 +30,7 @@ TIMES = Change("times", lambda h, n: h.of(step=1 + n[:, 0]), np.ones(1))
 
 
 def _reversed_rate(axis: int) -> Change:
-    """Return the change in which the component of ω' along one body axis has the wrong sign."""
+    """Return the change in which one component of ω', of index `axis`, has the wrong sign."""
     sign = 1.0 - 2.0 * np.eye(3)[axis]
 
     def reverse(h: Hypothesis, _: FloatArray) -> Hypothesis:
@@ -45,8 +45,8 @@ def _locked_axis(axis: int, *, is_set: bool) -> Change:
     Parameters
     ----------
     axis : index of the axis
-    is_set : whether this component is set after each step, which leaves the others as they would be
-        without that; else a torque keeps it constant, as that of a hinge would
+    is_set : if true, the component is set after each step, and the rates of the others are not
+        affected; if false, a torque keeps it constant, as the torque of a hinge would
     """
     kept = [i for i in range(3) if i != axis]
 

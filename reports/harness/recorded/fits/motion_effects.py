@@ -19,7 +19,12 @@ from ...explaining.other_tensors import tensors_of_entries
 
 
 def tilt(e: OtherEquations) -> Iterator[Change]:
-    """Yield the change of gravity's direction by two angles, rad; none if gravity has no torque."""
+    """Yield the change of gravity's direction by two angles, rad; none if gravity has no torque.
+
+    Parameters
+    ----------
+    e : the scene's own equations
+    """
     if e.pull.any() and e.gravity_world.any():
         perpendicular = np.linalg.svd(e.gravity_world[None])[2][1:]
 
@@ -35,9 +40,13 @@ def tilt(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that add a torque by the attitude, or a rate at which body or world turns.
+    """Yield changes that add a torque that depends on the attitude, or a turning of body or world.
 
     Only long motions show the effects of these changes.
+
+    Parameters
+    ----------
+    e : the scene's own equations
     """
     rate = usual_rate(scenario, e)
     size, gravity = usual_torque(scenario, e), e.gravity_world
@@ -125,9 +134,13 @@ def world_turning(rate: float) -> Change:
 
 
 def _gravity_gradient(h: Hypothesis, n: FloatArray) -> Hypothesis:
-    """Return H hypotheses with gravity gradients, 1/s², whose entries xx, yy, xy, xz, yz are `n`.
+    """Return H hypotheses `h` with gravity gradients that are set to given matrices.
 
-    `n` is (H, 5). The entry zz is 0: a multiple of the identity would have no torque.
+    The entry zz of a matrix is 0: a multiple of the identity would have no torque.
+
+    Parameters
+    ----------
+    n : the entries xx, yy, xy, xz and yz, 1/s², (H, 5)
     """
     return h.of(gravity_gradient=tensors_of_entries(np.insert(n, 2, 0.0, axis=1)))
 
@@ -136,6 +149,10 @@ def of_rotors(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
     """Yield changes of the rotors' hinges, of the signs of their spins, and of their momentum.
 
     Each change of hinges or signs is made for all rotors, and for one rotor at a time.
+
+    Parameters
+    ----------
+    e : the scene's own equations
     """
     tables = scenario.document.rotors or ()
     for kind in "free", "driven", "locked", "reversed":
@@ -158,6 +175,10 @@ def momentum(scenario: Scenario, e: OtherEquations) -> Change:
     """Return the change of the constant angular momentum of rotors, N m s.
 
     If the scene has no such momentum, the change adds one, as that of a wheel in the body.
+
+    Parameters
+    ----------
+    e : the scene's own equations
     """
     size = float(np.linalg.norm(e.kept)) or mean_moment(e) * usual_rate(scenario, e)
     kind = "rotors' momentum" if e.kept.any() else "momentum besides"

@@ -68,6 +68,7 @@ class Physics:
 
     Attributes
     ----------
+    scenario : the scene whose equations the motion should obey
     motion, exact : the recorded motion, and the exact one at the same times
     timestep : timestep with which the motion was computed, s; if None, it is unknown, and the time
         between samples is used
@@ -91,7 +92,8 @@ class Physics:
     def intervals(self) -> Intervals | None:
         """The intervals between samples, at most `MOST_INTERVALS`.
 
-        The property is None if in too few of them the body turns so little that they can be used.
+        Intervals in which the body turns too far are left out. The property is None if too few
+        remain, or if ω is 0 at all samples.
         """
         of_method = self.timestep, self.order, self.noise
         inner = self.motion.at(np.arange(self.reach, len(self.motion.t) - self.reach))
@@ -103,10 +105,10 @@ class Physics:
 
     @cached_property
     def search(self) -> Search | None:
-        """The search for changes of equations or readings that explain the recorded motion.
+        """The search for changes of equations, or of how states are read, that explain the motion.
 
-        Each change is tested in the intervals between samples (`intervals`). The property is None
-        if there are too few of these.
+        Each change is tested in the intervals between samples. The property is None if `intervals`
+        is.
         """
         data = self.intervals
         every = changes_of_motion(self.scenario)
@@ -143,7 +145,7 @@ class Physics:
 
     @property
     def next_term(self) -> float:
-        """The size of a method's error after its leading term, relative to that term."""
+        """The assumed size of the second term of a method's error, relative to its leading term."""
         if self.intervals is None:
             return LARGEST_NEXT
         data = self.intervals
@@ -159,8 +161,8 @@ class Physics:
         leading error of such a method must explain the differences from the exact flow, but for the
         next term of its error. If errors of the stated method explain them as well, they must leave
         far larger residuals. A change of the equations must not leave far smaller ones. The order
-        is 0 if no such method is found, if a known integrator computed the motion, or if no
-        timestep is stated.
+        is 0 if no such method is found, if the differences are no more than noise, if a known
+        integrator computed the motion, or if no timestep is stated.
         """
         if self.timestep is None or self.intervals is None or self.made_by:
             return 0
@@ -261,12 +263,15 @@ class Physics:
 
     @property
     def is_of_noise(self) -> bool:
-        """Whether the differences from the exact flow of `base` are no more than noise."""
+        """Whether the recorded ends of intervals are on the exact flow of `base`, but for noise.
+
+        The flow begins at their recorded starts. If `intervals` is None, the property is True.
+        """
         return bool((self.off <= self.least).all())
 
     @property
     def is_of_method(self) -> bool:
-        """Whether noise or the errors of methods explain the differences from the exact flow.
+        """Whether noise or methods' errors explain the differences from the exact flow of `base`.
 
         The leading errors of methods are fitted, of all orders up to one above the stated order.
         They must leave less than the next term of a method's error.
@@ -307,10 +312,10 @@ class Physics:
     def of_exact_motion(self) -> Fit | None:
         """The fit of a change, or a pair, with which the exact flow leads from sample to sample.
 
-        The changes are those of equations or readings. The property is None if none does. The fit
-        must reduce the differences from the exact flow of `base` to the fraction `SAME` or less,
-        or to noise. Nothing is tried if these differences may be a method's error. Changes that
-        explain the motion so well may have up to `MOST_OF_ALL` parameters.
+        The changes are those of the equations, or of how states are read. The fit must reduce the
+        differences from the exact flow of `base` to the fraction `SAME` or less, or to noise. The
+        property is None if no fit does, or if these differences may be a method's error. Changes
+        that explain the motion so well may have up to `MOST_OF_ALL` parameters.
         """
         if self.search is None or self.intervals is None or self.is_of_method:
             return None
@@ -368,17 +373,18 @@ class Physics:
 
     @property
     def by_change(self) -> Fit | None:
-        """The fit of one or two changes of equations or readings that explain the motion, or None.
+        """The fit of one or two changes that explain the motion; None if none do.
 
-        If the motion is within a method's error, changes count only if with them the exact flow, or
-        a known integrator, leads from sample to sample.
+        They are changes of the equations, or of how states are read. If the motion is within a
+        method's error, they count only if with them the exact flow, or a known integrator, leads
+        from sample to sample.
         """
         return self.found if self.is_beyond else self.of_exact_motion or self.by_other_equations
 
     def _varying(self, changes: Sequence[Change]) -> list[str]:
         """Return sentences on a parameter that varies in time and so explains the motion.
 
-        The list is empty if none does.
+        The list is empty if none does, or if methods' errors explain the motion.
 
         Parameters
         ----------
@@ -401,7 +407,10 @@ class Physics:
 
     @property
     def _within_error(self) -> Fit | None:
-        """The fit of one or two changes that explain the motion beside methods' errors; or None."""
+        """The fit of one or two changes that, together with methods' errors, explain the motion.
+
+        The property is None if none do, or if `intervals` is None.
+        """
         if self.intervals is None or self.search is None:
             return None
         orders, every = range(1, self.order + 1), self._of_motion
@@ -410,9 +419,10 @@ class Physics:
 
     @cached_property
     def found(self) -> Fit | None:
-        """The fit of a change of equations or readings, or a pair, that explains the motion best.
+        """The fit of the change, or of the pair of changes, that explains the motion best.
 
-        It is None if none does.
+        Changes of the equations and of how states are read are tried. The property is None if none
+        explains the motion.
         """
         if self.search is None or self.intervals is None:
             return None
@@ -426,7 +436,10 @@ class Physics:
         return other if other.mean_square < SAME**2 * residual_square else found
 
     def _is_partial(self, found: Fit) -> bool:
-        """Return whether no method's error and no known integrator explains a fit's residuals."""
+        """Return whether no method's error and no known integrator explains a fit's residuals.
+
+        If `intervals` is None, it returns False.
+        """
         if self.search is None or self.intervals is None:
             return False
         is_beyond = self.search.exceed_noise(found.residuals)
@@ -481,13 +494,20 @@ class Physics:
 
     @cached_property
     def clamps(self) -> list[Clamp]:
-        """The clamps of ω that explain the motion, in the order of `CLAMPS`; often none."""
+        """The clamps that explain the motion, in the order of `CLAMPS`; often none.
+
+        A clamp is a bound to which an engine limits ω.
+        """
         of_method = float(self.intervals.scale[:, 3:].max()) if self.intervals else np.inf
         of_noise = CERTAIN * float(self.noise[1])
         return list(clamps(self.scenario, self.motion, self.exact, of_method, of_noise))
 
     def _in_words(self, found: Fit) -> list[str]:
-        """Return sentences on the changes that a fit found, and on what explains the residuals."""
+        """Return sentences on the changes that a fit found, and on what explains its residuals.
+
+        A method of lower order may explain the motion together with the changes: then the
+        sentences are those of `_of_lower_order`.
+        """
         words, rest = sentences(found), self.after(found)
         if rest.is_of_noise:
             return words
@@ -510,7 +530,8 @@ class Physics:
         """Return sentences on the changes of a fit, and on a method of lower order than stated.
 
         The changes are fitted again, together with the errors of methods of each lower order, until
-        these together explain the motion. The list is empty if they never do.
+        these together explain the motion. The list is empty if they never do, or if no timestep is
+        stated.
         """
         if self.intervals is None or self.timestep is None:
             return []
@@ -523,11 +544,11 @@ class Physics:
     def _unexplained(self, rest: FloatArray) -> list[str]:
         """Return a list of the sentence that part of the difference is not explained.
 
-        It is empty if noise and a method's error explain the residuals.
+        It is empty if noise and a method's error explain the residuals, or if `intervals` is None.
 
         Parameters
         ----------
-        rest : the residuals, in units of the intervals' scale, of any shape
+        rest : the residuals that an explanation leaves, in units of `Intervals.scale`, of any shape
         """
         if self.search is None or not self.search.exceed_noise(rest):
             return []

@@ -57,7 +57,10 @@ class ReadOmega(Data):
     error: float
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals of ω for H hypotheses, in units of `error`, (H, n, 3)."""
+        """Return what sensors read as ω with H hypotheses, less `read`, in units of `error`.
+
+        The shape is (H, n, 3).
+        """
         computed = as_read(hypotheses, np.repeat(self.body[None], len(hypotheses), axis=0), self.t)
         return np.asarray((computed[..., 4:] - self.read) / self.error)
 
@@ -162,6 +165,8 @@ def _omega_between(
 def _clamped(body: FloatArray, read: FloatArray, error: float) -> Iterator[list[str]]:
     """Yield a list of one sentence for each clamp that turns the body's ω into the recorded ω.
 
+    A clamp limits ‖ω‖, or each component of ω, to a bound.
+
     Parameters
     ----------
     body : q, scalar first, and the body's ω, rad/s, body axes, (n, 7)
@@ -232,9 +237,9 @@ def _smoothed_or_filtered(
 def _smoothed(
     t: FloatArray, body: FloatArray, read: FloatArray, error: float
 ) -> tuple[float, str] | None:
-    """Return the moving mean over the fewest samples that explains the recorded ω.
+    """Return the moving mean of the body's ω over the fewest samples that explains the recorded ω.
 
-    The arguments are those of `_smoothed_or_filtered`.
+    The parameters are those of `_smoothed_or_filtered`: body is the body's ω, read the recorded ω.
 
     Returns
     -------
@@ -271,7 +276,7 @@ class Filter:
 
     @property
     def delay(self) -> float:
-        """The group delay at frequency zero, in samples: by this the filter delays slow changes."""
+        """The group delay at frequency zero: by how many samples slow changes of ω are delayed."""
         ages = np.arange(len(self.inputs)) @ self.inputs / self.inputs.sum()
         own = np.arange(1, len(self.outputs) + 1) @ self.outputs / (1 - self.outputs.sum())
         return float(ages + own)
@@ -280,8 +285,9 @@ class Filter:
     def is_causal(self) -> bool:
         """Whether a sensor may have such a filter.
 
-        It must be stable, delay its input, and have no negative sum of `outputs`. Its impulse
-        response must be positive, but may fall somewhat below zero as of a filter that overshoots.
+        It must be stable and delay its input, and the sum of `outputs` must not be negative. Its
+        impulse response must be positive, but may fall somewhat below zero, as that of a filter
+        that overshoots does.
         """
         poles = np.roots([1.0, *-self.outputs])
         if not (self.delay > 0 and self.outputs.sum() >= 0 and (np.abs(poles) < 1).all()):
@@ -305,9 +311,9 @@ class Filter:
 def _filtered(
     t: FloatArray, body: FloatArray, read: FloatArray, error: float
 ) -> tuple[float, str] | None:
-    """Return the linear filter with the fewest parameters that explains the recorded ω.
+    """Return the linear filter with the fewest weights that makes the recorded ω of the body's.
 
-    The arguments are those of `_smoothed_or_filtered`.
+    The parameters are those of `_smoothed_or_filtered`: body is the body's ω, read the recorded ω.
 
     Returns
     -------
@@ -348,7 +354,7 @@ def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Fi
     Parameters
     ----------
     body, read : the body's ω and the recorded one, rad/s, (n, 3)
-    outputs, inputs : the numbers of weights of earlier outputs, and of inputs
+    outputs, inputs : the numbers of weights of earlier outputs, and of samples of the body's ω
     """
     first = max(outputs, inputs - 1)
     rows = np.arange(first, len(read))

@@ -24,15 +24,16 @@ OMEGA_ALONE = "ω is that of the scene, but the attitudes are not"
 
 
 def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
-    """Return a list of the sentence that, within noise, each state is exact but for its time.
+    """Return a list of the sentence that each state is the exact one at another time, within noise.
 
-    The list is empty if the states are not those of the exact motion at other times. The time of
+    The list is empty if the states are not, or if all are late by about the same time. The time of
     each state is fitted to first order. If noise is not stated, other times must explain nearly all
-    of the residuals.
+    of the deviations.
 
     Parameters
     ----------
-    unchanged : the residuals with the scene's own equations, in standard deviations of noise, (m,)
+    log : the samples
+    unchanged : their deviations from the exact motion, in standard deviations of noise, (m,)
     """
     (made,) = log.made(log.base[None], log.t)
     step = SMALL * float(np.median(np.diff(log.t)))
@@ -65,7 +66,8 @@ def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
 
     Parameters
     ----------
-    unchanged : the residuals with the scene's own equations, in standard deviations of noise, (m,)
+    log : the samples
+    unchanged : their deviations from the exact motion, in standard deviations of noise, (m,)
     """
     if not log.has_omega:
         return []
@@ -92,7 +94,8 @@ def _saturates_at(log: Log, unchanged: FloatArray) -> float:
 
     Parameters
     ----------
-    unchanged : the residuals with the scene's own equations, in standard deviations of noise, (m,)
+    log : the samples
+    unchanged : their deviations from the exact motion, in standard deviations of noise, (m,)
     """
     omega, noise = log.states[:, 4:], log.noise[1]
     residuals = unchanged.reshape(-1, 2, 3)[:, 1]

@@ -41,7 +41,8 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
     Returns
     -------
     The sentences. There are none if too few samples are before or after the change, if the motion
-    before it is not the exact one, or if that after it is not explained, both to within noise
+    before it is not the exact one within noise, or if the motion after it is not explained within
+    noise
     """
     scenario, log = fit.scenario, fit.given
     squares = np.sum(fit.search.unchanged.residuals.reshape(len(motion.t), -1) ** 2, axis=1)
@@ -100,10 +101,12 @@ class Since(NamedTuple):
 
 
 def since_exactly(data: Intervals, least: FloatArray, reach: int) -> Since | None:
-    """Return the sudden change of a motion without noise; None if there is none.
+    """Return the sudden change of a recorded motion without noise; None if there is none.
 
-    Before the change the differences from the exact flow, over one interval each, are within
-    rounding, or within a method's error. At the change they become far larger at once.
+    Each interval is solved exactly from the state recorded at its start, and the result is compared
+    with the state recorded at its end. Before the change the two differ by rounding alone, or by a
+    method's error; within `AT_ONCE` samples of it they differ by far more. None is also returned if
+    too few intervals lie on either side to tell.
 
     Parameters
     ----------

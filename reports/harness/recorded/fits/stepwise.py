@@ -23,7 +23,7 @@ LIKELIEST = 3
 
 @dataclass(frozen=True, eq=False)
 class Stepwise(Search):
-    """A search, by stepwise regression, for changes of equations or readings that explain data.
+    """A search for changes of equations, or of how states are read, by stepwise regression.
 
     Attributes
     ----------
@@ -140,7 +140,7 @@ class Stepwise(Search):
 
         The mean square of the residuals of `alone` exceeds that of `fit`. A change is promising if,
         linearised, it reduces this excess to the fraction `PROMISING`² or less. Its fit starts from
-        the parameters of `alone` or of `fit`, whichever leave less.
+        the parameters of `alone` or of `fit`, whichever leave smaller residuals.
         """
         enough = fit.mean_square + PROMISING**2 * (alone.mean_square - fit.mean_square)
         starts = alone, fit

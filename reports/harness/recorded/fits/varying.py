@@ -123,11 +123,12 @@ def _clip(residuals: FloatArray) -> FloatArray:
 
 
 def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
-    """Return in words how a change's parameter varies with time, or that it is constant.
+    """Return in words how a change's parameter varies with time, or its value if it is constant.
 
     Parameters
     ----------
     t : times of the intervals' ends, s, (S,)
+    change : a change with one parameter
     numbers : the parameter in each interval, (S,)
     """
     same = {_change_in_words(change, parameter) for parameter in numbers}
@@ -148,9 +149,10 @@ def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
 
 
 def _change_in_words(change: Change, parameter: float) -> str:
-    """Return a change with one parameter in words; these name no change if it is nearly zero.
+    """Return in words what differs from the scene by a change, given the change's one parameter.
 
-    The parameter is rounded to three digits.
+    The words name the parameter, to three digits. If the parameter is nearly zero, they say that
+    all was as in the scene.
     """
     if abs(parameter) < OWN * change.scales[0]:
         return "all were as in the scene"

@@ -79,9 +79,9 @@ def within_error(
 ) -> Fit | None:
     """Return the fit of a change, or a pair, that explains a motion beside methods' errors.
 
-    The changes are those of equations or readings. None is returned if none explain it. Several
-    sizes of the errors are assumed in turn. A fit counts only if the errors that are then fitted
-    beside it are no larger than assumed, but for a factor of `ROOM`.
+    The changes are those of the equations, or of how states are read. None is returned if none
+    explains the motion. Several sizes of the errors are assumed in turn. A fit counts only if the
+    errors that are then fitted beside it are no larger than assumed, but for a factor of `ROOM`.
 
     Parameters
     ----------
@@ -138,8 +138,9 @@ def _beside(
 
     Parameters
     ----------
-    errors : the errors with coefficients of one, rad and rad/s, (k, S, 6)
-    most, next_term : see `within_error`
+    errors : the methods' errors by each of k elementary differentials with a coefficient of one,
+        rad and rad/s, (k, S, 6)
+    data, changes, most, next_term : see `within_error`
     size : assumed size of methods' errors, rad and rad/s, (2,). If far smaller errors fit beside
         some change, that smaller size is assumed instead
 
@@ -167,8 +168,14 @@ def _beside(
 def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> list[FloatArray]:
     """Return three sizes that the errors of methods may have, rad and rad/s, (2,) each.
 
-    The first is fitted without any change of equations or readings. The last is the smallest that
-    is fitted beside a single change, linearised. The second is the geometric mean of these two.
+    The first is fitted without any change. The last is the smallest that is fitted beside a single
+    change, linearised. The second is the geometric mean of these two.
+
+    Parameters
+    ----------
+    errors : the errors by each of k elementary differentials with a coefficient of one, rad and
+        rad/s, (k, S, 6)
+    changes : the changes that are tried
     """
     most = _fitted_size(data, errors, data.deviations(data.base[None]))
     units = np.maximum(most, FITS)
@@ -187,7 +194,8 @@ def _fitted_size(
 
     Parameters
     ----------
-    errors : errors of methods with coefficients of one, rad and rad/s, (k, S, 6)
+    errors : the errors by each of k elementary differentials with a coefficient of one, rad and
+        rad/s, (k, S, 6)
     deviation : the residuals, in units of `data.scale`, 6 S numbers
     others : further columns that are fitted together with the errors, rad and rad/s, (m, S, 6)
     """

@@ -1,4 +1,4 @@
-"""Finds errors that alternate from sample to sample: noise, or an ω that an integrator makes so."""
+"""Finds errors that alternate from sample to sample: noise, or those of an integrator in ω."""
 
 from dataclasses import dataclass
 
@@ -104,6 +104,7 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
 
     Parameters
     ----------
+    motion : the recorded motion
     floor : errors of attitude, rad, and ω, rad/s, by the rounding of printed numbers, (2,)
     """
     fastest = float(norms(motion.omega_body).max())

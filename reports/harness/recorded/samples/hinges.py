@@ -14,9 +14,10 @@ from ...explaining.search import SIGNIFICANCE
 def spins_beyond(
     scenario: Scenario, motion: Trajectory, timestep: float | None, order: int, noise: FloatArray
 ) -> list[str]:
-    """Return a list of the sentence that a spin changes otherwise than its rotor's hinge makes it.
+    """Return a list of the sentence that a spin changes otherwise than its rotor's hinge allows.
 
-    The list is empty if no spin does so by more than noise and a method's error. The error of a
+    A hinge keeps the spin constant, or the rotor's angular momentum about its axle. The list is
+    empty if no spin deviates from that by more than noise and a method's error. The error of a
     method of order p is taken to be proportional to the p-th power of the angle turned in a step,
     by the body or by the rotor, whichever is faster.
 

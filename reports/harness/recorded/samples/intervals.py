@@ -60,7 +60,10 @@ class Intervals(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """Standard deviations of attitude, rad, and ω, rad/s, by noise and method, (S, 6)."""
+        """Standard deviations, by noise and a method's error together, of the residuals, (S, 6).
+
+        The residuals are three of attitude, rad, and three of ω, rad/s.
+        """
         return np.repeat(np.hypot(self.noise, self.method), 3, axis=1)
 
     @cached_property
@@ -84,9 +87,10 @@ class Intervals(Data):
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals of attitude and ω with H hypotheses, in units of `scale`, (H, S, 6).
+        """Return the residuals with H hypotheses, in units of `scale`, (H, S, 6).
 
-        They are nan where a hypothesis leads to no finite state.
+        They are the deviations of the recorded ends, in attitude and ω, from the states to which a
+        hypothesis leads from the recorded starts. They are nan where it leads to no finite state.
         """
         starts = as_it_was(hypotheses, self.starts, self.t - self.spans[:, 0])
         steps = hypotheses.step
@@ -215,10 +219,11 @@ def intervals_of(
     most: int | None = None,
     near: float = NEAR,
 ) -> Intervals | None:
-    """Return the intervals between samples in which the body does not turn too far.
+    """Return the intervals between samples in which the body turns by at most `near`.
 
     Parameters
     ----------
+    scenario : the scene whose equations are compared with the motion
     motion : the recorded motion
     timestep : timestep with which the motion was computed, s; if None, it is unknown, and the
         median time between samples is used

@@ -252,7 +252,7 @@ def _time_between(data: Intervals, first: int, last: int) -> float | None:
 
     Returns
     -------
-    None if the flow does not lead there
+    None if the flow does not lead there, or if ω is 0 in either state
     """
     start, end, equations = data.starts[[first]], data.ends[[last]], data.base
     speeds = norms(np.vstack([start, end])[:, 4:])

@@ -38,8 +38,8 @@ KEPT = 0.25
 def dissipated(scenario: Scenario, motion: Trajectory) -> list[str]:
     """Return a list of the sentence that a free body loses energy but keeps its angular momentum.
 
-    The list is empty if that is not so, or if the scene has a lever of gravity, a torque, drag, or
-    a momentum of rotors.
+    The list is empty if the body does not, or if the scene has a com off the pivot, a torque, drag,
+    or a constant angular momentum of rotors.
     """
     e = equations_of(scenario)
     if e.pull.any() or e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any():

@@ -81,7 +81,7 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     Parameters
     ----------
     exact : the exact motion at the recording's times
-    reading : the recording, read as it is
+    reading : the samples of the recording as they were read
 
     Returns
     -------
@@ -130,8 +130,8 @@ def without(
 
     Parameters
     ----------
-    words : the sentences on the mistakes that `mistakes` returned
-    reading : the recording, read as it is
+    words : the sentences on the mistakes, as `mistakes` or `rounded_times` returned them
+    reading : the samples of the recording as they were read
     first : the exact attitude at the first sample, body to world, (3, 3)
     """
     for one in words:
@@ -144,11 +144,19 @@ def without(
 
 
 def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
-    """Return corrections, each of one mistake, after which the attitude follows ω, best first.
+    """Return corrections of one mistake each, after which the attitude turns at the recorded ω.
 
     No equations of motion are used. Whatever torques act, the attitude turns between two samples at
-    the mean of their ω, except for terms of third order in the time between them. Each correction
-    is a list of the sentence on the mistake, and the corrected reading.
+    the mean of their ω, except for terms of third order in the time between them.
+
+    Parameters
+    ----------
+    reading : the samples of the recording as they were read
+
+    Returns
+    -------
+    For each correction a list of the sentence on the mistake, and the corrected samples; the
+    correction after which ω deviates least comes first
     """
     baseline = _kinematic_error(reading)
     found = [
@@ -187,7 +195,7 @@ def _kinematic_error(reading: Reading) -> float:
 
 
 class _Beginning:
-    """The errors of readings of the beginning of a motion, against the exact motion.
+    """The errors of the first samples of a motion, read in several ways, against the exact motion.
 
     The exact motion is computed at the times of each reading, from the exact first state.
 
@@ -298,10 +306,10 @@ class _Beginning:
         return best
 
     def other_times(self, reading: Reading) -> list[str]:
-        """Return a list of the sentence that times are too short or too long by a factor.
+        """Return a list of the sentence that recorded times are too short or too long by a factor.
 
-        The factor is that with which attitudes turn at the rate ω, and the motion is the exact one.
-        The list is empty if there is no such factor.
+        If the times are multiplied by it, attitudes turn at the rate ω, and the motion is the exact
+        one. The list is empty if there is no such factor, or if ω was not recorded.
         """
         least = self.error(reading)
         if least <= FITS or (factor := _factor_of_times(reading)) is None:
@@ -342,6 +350,7 @@ def _corrections(
 
     Parameters
     ----------
+    reading : the samples of the recording as they were read
     is_right : whether attitudes and times may be right as they are. If not, mistakes of ω are tried
         only if their correction leaves out a sample, which may be the wrong one; and mistakes of
         spins are not tried
@@ -398,7 +407,13 @@ def _factor_of_times(reading: Reading) -> float | None:
 def _of_spins(
     reading: Reading, spins: FloatArray, scenario: Scenario
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield sentences on mistakes of the spins, each with the reading corrected for it."""
+    """Yield a sentence for each mistake that may be in the spins, and the reading without it.
+
+    Parameters
+    ----------
+    reading : the samples as they were read
+    spins : spins of the reading, rad/s, (n, rotors)
+    """
     yield "the spins have the opposite sign", reading._replace(spins=-spins)
     for words, factor in RATES.items():
         of_spins = words.replace("wx", "spin1").replace("was", "were").replace("it s", "they s")
@@ -419,7 +434,15 @@ def _of_spins(
 
 
 def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
-    """Yield sentences on mistakes of ω, each with the reading corrected for it."""
+    """Yield a sentence for each mistake that may be in the recorded ω, and the reading without it.
+
+    Examples are wrong axes, a wrong unit, and a wrong sign or order of components.
+
+    Parameters
+    ----------
+    reading : the samples as they were read
+    omega : ω of the reading, rad/s, (n, 3)
+    """
     frame: OmegaFrame = "world" if reading.frame == "body" else "body"
     yield f"ω is in {frame} axes (state 'omega = {frame}')", reading._replace(frame=frame)
     yield "ω has the opposite sign", reading._replace(omega=-omega)
@@ -437,9 +460,15 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
 
 
 def _of_other_samples(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
-    """Yield sentences on mistakes by which ω is that of another time, with corrected readings.
+    """Yield a sentence for each time by which ω may be too old or new, and the corrected reading.
 
-    In these each attitude has the ω of its own time. One sample at an end has none and is left out.
+    In the latter each attitude has the ω of its own time. One sample at an end has none and is left
+    out.
+
+    Parameters
+    ----------
+    reading : the samples as they were read
+    omega : ω of the reading, rad/s, (n, 3)
     """
     earlier, later = slice(None, -1), slice(1, None)
     for age, own, other in (("older", earlier, later), ("newer", later, earlier)):

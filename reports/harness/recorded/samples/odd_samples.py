@@ -29,7 +29,8 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
 
     Returns
     -------
-    None if some qw is negative, or if conjugation of some samples does not make all of them right
+    None if some qw is negative, if conjugation of some samples does not make all of them right, or
+    if there are too few samples
     """
     q, exact = reading.q, numbers.q_exact
     if (q[:, 0] < 0).any() or len(q) < FEWEST:
@@ -51,12 +52,12 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
 def across_signs(numbers: Numbers) -> Shown | None:
     """Return the finding that attitudes are interpolated between quaternions of opposite signs.
 
-    As q and −q are one attitude, the interpolated quaternions are far from both. Each of them is
-    found by itself, as a quaternion on the straight line between its neighbours.
+    As q and −q are one attitude, an interpolated quaternion is then far from the attitudes of both
+    its neighbours. It is found as a quaternion on the straight line between them.
 
     Returns
     -------
-    None if no attitude is so interpolated
+    The finding; None if no attitude is interpolated in this way
     """
     t, q = numbers.t, numbers.q
     before, after = q[:-2], q[2:]
@@ -83,7 +84,8 @@ def across_signs(numbers: Numbers) -> Shown | None:
 def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
     """Return the finding that ω wraps around, as integers do that overflow; None if it does not.
 
-    Where a component of ω would leave a range, the width of the range is added or subtracted.
+    Where a component of ω would leave a range, the width of the range is added or subtracted. None
+    is also returned if samples are too few, or too far apart, to tell.
 
     Parameters
     ----------

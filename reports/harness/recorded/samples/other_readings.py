@@ -40,7 +40,7 @@ def other_readings(
 
     Parameters
     ----------
-    reading : the recording, read as it is
+    reading : the samples of the recording as they were read
     first : the exact attitude at the first sample, body to world, (3, 3)
     """
     yield from equal_times(reading)
@@ -77,7 +77,10 @@ def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield sentences, and the recording with x, y, z of q and ω in other orders and signs."""
+    """Yield a sentence for each other order and signs of x, y, z, and the corrected reading.
+
+    Orders and signs are those of the components of both q and ω.
+    """
     for components in OTHER_COMPONENTS:
         names = ", ".join(f"{'-' * (one < 0)}{' xyz'[abs(one)]}" for one in components)
         axes, signs = np.abs(components) - 1, np.sign(components)
@@ -88,7 +91,7 @@ def _of_components(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield sentences, and the recording with the components of q in other orders and signs."""
+    """Yield a sentence for each order and signs of q's components, and the corrected reading."""
     for order in map(list, permutations(range(4))):
         for signs in product((1.0, -1.0), repeat=3):
             picked = zip((1.0, *signs), COLUMNS[order], strict=True)
@@ -98,7 +101,7 @@ def _of_columns(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
-    """Yield sentences, and the recording with attitudes of Euler angles in another convention.
+    """Yield a sentence for each wrong convention of Euler angles, and the corrected reading.
 
     Either angles of the right convention were converted to quaternions in a wrong order, or angles
     were taken for those of a wrong convention.
@@ -118,7 +121,11 @@ def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
 
 
 def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
-    """Yield sentences, and the recording in which attitudes have the ω of other samples."""
+    """Yield a sentence for each number of samples by which ω may be old or new, and the correction.
+
+    In the corrected reading each attitude has the ω of its own time. Samples at an end that have
+    none are left out.
+    """
     for samples in SAMPLES:
         earlier, later = slice(None, -samples), slice(samples, None)
         for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
@@ -129,7 +136,7 @@ def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]
 def _of_axes(
     reading: Reading, scenario: Scenario, first: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
-    """Yield sentences, and the recording along other axes with which the first attitude is right.
+    """Yield a sentence for each choice of axes that corrects the first attitude, and the reading.
 
     The axes of world and body are the scene's in another order or with other signs; those of the
     body may be its principal axes instead. If the first recorded attitude is the identity, all

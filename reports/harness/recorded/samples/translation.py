@@ -171,8 +171,8 @@ def rounding_of(numbers: FloatArray, units: dict[str, float], steps: float) -> f
 def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray, float]]:
     """Yield sentences on possible mistakes of the com, each with the corrected com.
 
-    The corrected com is in m, along world axes, (n, 3). After it comes the unit of the recorded
-    numbers, m, or 1 if that is larger: what is left of an error is compared in this unit, as
+    The corrected com is in m, along world axes, (n, 3). After it comes the size of the unit of the
+    recorded numbers, m, but at most 1. The error that remains is compared in this unit, as
     conversion from a small unit makes any number small.
     """
     R = matrices(motion.q_world_body_wxyz)
@@ -192,7 +192,7 @@ def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, F
     """Yield sentences on possible mistakes of the velocity, each with the corrected velocity.
 
     The corrected velocity is that of the com, in m/s, along world axes, (n, 3). After it comes the
-    unit of the recorded numbers, m/s, or 1 if that is larger, as for `_coms`.
+    size of the unit of the recorded numbers, m/s, but at most 1: see `_coms`.
     """
     R, v = matrices(motion.q_world_body_wxyz), motion.velocity_world
     swing_world = turned(R, np.cross(motion.omega_body, scenario.constraint.lever))
