@@ -68,10 +68,11 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 def _rates(extent: Extent) -> Iterator[Rate]:
     """Yield √(m g l/I), the rate of a small swing under gravity, rad/s; none for a free body.
 
-    l is the com's distance from the body's origin, and I the middle moment of inertia.
+    l is the com's distance from the point that is held, and I the middle moment of inertia.
     """
-    if not extent.scenario.constraint.is_free:
-        lever = extent.scenario.body.mass_exact * extent.arm
+    constraint = extent.scenario.constraint
+    if not constraint.is_free:
+        lever = extent.scenario.body.mass_exact * length(constraint.lever_exact)
         pull = lever * length(extent.scenario.gravity_world)
         yield ("effects", "gravity"), "a swing under gravity", mp.sqrt(pull / extent.moments[1])
 

@@ -2,8 +2,13 @@
 
 import numpy as np
 import pytest
+from library_scenes import library_scene
+from mpmath import mpf
 from spincheck.reference import solve
+from spincheck.scenarios import EFFECTS
+from spincheck.scenarios.effects.effect import Extent
 from spincheck.scenarios.fastest_rate import fastest_rate
+from spincheck.scenarios.scenario import with_tables
 from top_scenes import scene
 
 EPS = float(np.finfo(float).eps)
@@ -52,3 +57,18 @@ def test_a_drag_faster_than_the_spin_sets_the_pace():
 def test_a_body_pushed_from_rest_has_the_pace_that_it_comes_to():
     push = "[effects.torque]\nbody = [0.0, 0.0, 0.3]\n"
     assert pace_of(effects=push) == pytest.approx(0.3 / 0.03 * 1.0, rel=64 * EPS)
+
+
+def test_a_swing_on_a_table_is_counted_by_the_lever_of_the_tip():
+    """The body's origin is at the com: the arm from there is no lever."""
+    stick = library_scene("falling-stick")
+    body = stick.document.body.model_copy(update={"com": (0.0, 0.0, 0.0)})
+    table = stick.effects.table.model_copy(update={"tip": (0.0, 0.0, -0.5)})
+    effects = stick.effects.model_copy(update={"table": table})
+    moved = with_tables(stick, body=body, effects=effects)
+    moments = tuple(map(mpf, sorted(np.linalg.eigvalsh(moved.inertia))))
+    extent = Extent(moved, mpf(1), moments, mpf(0))
+    ((_, what, rate),) = EFFECTS["gravity"].rates(extent)
+    assert what == "a swing under gravity"
+    pull = 0.3 * 9.81 * 0.5
+    assert float(rate) == pytest.approx(np.sqrt(pull / moments[1]), rel=1e-12)

@@ -105,7 +105,9 @@ class PinocchioSession(WorldSession):
         beside = [joint for joint in hinges if model.inertias[joint].lever.any()]
         armature: FloatArray = np.zeros(model.nv)
         for rotor, joint in zip(self.scene.get("rotors", ()), world.rotors, strict=True):
-            armature[model.joints[joint].idx_v] = self.module.drive(rotor) if joint else 0.0
+            # A locked rotor has no joint.
+            if joint:
+                armature[model.joints[joint].idx_v] = self.module.drive(rotor)
         turns = kinds[world.joint] == "JointModelSpherical"
         return {
             "pivot": turns and world.joint == 1,

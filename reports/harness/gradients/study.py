@@ -96,7 +96,10 @@ def gradients_of(
     began = time.perf_counter()
     try:
         with _study(scenario, engine, method_name, timestep, window) as study:
-            return [study.row(name) for name in study.names() if derivative in (None, name)]
+            rows = [study.row(name) for name in study.names() if derivative in (None, name)]
+            if not rows:
+                raise EngineError(f"it does not offer '{derivative}' any more")
+            return rows
     except EngineError as error:
         is_unsupported = isinstance(error, UnsupportedError)
         one = Judged("unsupported" if is_unsupported else "failed", str(error))

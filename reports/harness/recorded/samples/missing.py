@@ -38,10 +38,12 @@ KEPT = 0.25
 def dissipated(scenario: Scenario, motion: Trajectory) -> list[str]:
     """Return a list of the sentence that a free body loses energy but keeps its angular momentum.
 
-    The list is empty if the body does not, or if the scene has a com off the pivot, a torque, drag,
-    or a constant angular momentum of rotors.
+    The list is empty if the body does not, or if the scene has a com off the pivot, a table, a
+    torque, drag, or a constant angular momentum of rotors.
     """
     e = equations_of(scenario)
+    if e.mobility:
+        return []
     if e.pull.any() or e.torque.any() or e.torque_world.any() or e.slowing.any() or e.kept.any():
         return []
     omega, count = motion.omega_body, max(2, int(PART * len(motion.t)))

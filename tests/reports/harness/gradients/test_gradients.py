@@ -334,6 +334,12 @@ BAD: dict[str, tuple[Callable[[], object], str, str]] = {
 }
 
 
+def test_a_derivative_that_is_not_offered_any_more_is_a_row_that_says_so() -> None:
+    (row,) = gradients_of(library_scene("fast-top"), MUJOCO, "Euler", derivative="of yesterday")
+    assert row.judged.verdict == "failed"
+    assert row.judged.reason == "it does not offer 'of yesterday' any more"
+
+
 def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
