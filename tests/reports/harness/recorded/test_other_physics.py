@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from case_loops import each_case
 from kinds_of_engines import why_missing
+from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reference import solve
 from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.scenarios import Scenario, Trajectory, load
+from spincheck.scenarios.scenario import with_tables
 from spincheck.suite import SCENES
 from stepped import METHODS, SteppedEngine
 
@@ -37,10 +39,12 @@ CLAMPED: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 
 
-def explained(scenario: Scenario, motion: Trajectory, timestep: float) -> tuple[str, ...]:
+def explained(
+    scenario: Scenario, motion: Trajectory, timestep: float, order: int = 1
+) -> tuple[str, ...]:
     arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": motion.omega_body}
     recording = Recording(Path("motion.csv"), arrays, {"timestep": repr(timestep)})
-    return judged_motion(scenario, recording).explained_by
+    return judged_motion(scenario, recording, order).explained_by
 
 
 @each_case("words", [*CLAMPED])
@@ -60,6 +64,19 @@ def test_what_an_integrator_does_is_no_other_physics(order: int, timestep: float
         words = " ".join(explained(scenario, run.trajectory, timestep))
         assert "as if" not in words
         assert "clamped" not in words
+
+
+def test_other_gravity_by_the_stated_method_is_no_longer_timestep() -> None:
+    """Some method of the same order with five times the timestep would make the motion as well."""
+    scenario, timestep = library_scene("spherical-pendulum"), 0.004
+    stronger = tuple(1.02 * np.array(scenario.effects.gravity.acceleration))
+    gravity = scenario.effects.gravity.model_copy(update={"acceleration": stronger})
+    other = with_tables(scenario, effects=scenario.effects.model_copy(update={"gravity": gravity}))
+    steps = round(scenario.window.duration / timestep)
+    samples = np.arange(0, steps + 1, steps // 200)
+    run = SteppedEngine().run(other, METHODS[1], timestep, samples)
+    (words,) = explained(scenario, run.trajectory, timestep, 2)
+    assert words.startswith("it moves as if gravity were 1.02")
 
 
 REAL = {
