@@ -59,9 +59,10 @@ def _caught(descriptor: int) -> Iterator[int]:
 
 
 def _flush() -> None:
-    """Flush the output buffers of Python and C.
+    """Flush the output buffers of Python and of the C library.
 
-    Text left in them would be captured by a block that did not print it, or not at all.
+    It is called at both ends of a block whose output is captured. Otherwise text that was printed
+    before the block would be captured too, and text that was printed in it would be missed.
     """
     for stream in (sys.stdout, sys.stderr):
         stream.flush()

@@ -249,7 +249,11 @@ def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
 
 
 def _kept_of_omega(scenario: Scenario, omega_body: Vector) -> Numbers:
-    """Return the changes of the rotors' constant angular momenta, kg m²/s, by a change of ω.
+    """Return how much the rotors' angular momenta about their axles change if ω at t = 0 changes.
+
+    Along a motion each of these momenta is constant. It is C (u·ω + s) for a rotor on a free hinge,
+    so that it depends on ω at t = 0; for other rotors the change is zero. The dictionary has one
+    entry, "kept": a list of the changes, kg m²/s, one for each rotor.
 
     Parameters
     ----------
