@@ -285,8 +285,9 @@ def with_tables(scenario: Scenario, **tables: Table | tuple[Table, ...] | None) 
     """Return a scene with some tables of its file, such as `window`, replaced.
 
     The new tables are given in parsed form, by their names; `rotors=None` removes the rotors. The
-    text of the scene is written anew. Published values and expectations are left out, as they hold
-    only for the unchanged scene. Checks that concern several tables, or sizes, are not repeated.
+    text of the new scene is generated from its tables. Published values and expectations are left
+    out, as they hold only for the unchanged scene. The caller must make sure that the tables fit
+    together, and that no quantity is too large or too small: this is not checked again.
     """
     alone: dict[str, object] = dict.fromkeys(OF_THE_SCENE_ALONE, ())
     document = scenario.document.model_copy(update=alone | tables)

@@ -156,7 +156,10 @@ def _least_width(text: str) -> int:
 
 
 def _is_number(word: str) -> bool:
-    """Whether a word is a number or begins with one; engines' names do not begin with a digit."""
+    """Whether a word begins with a number, which may follow signs, brackets, or "≤" and the like.
+
+    Numbers are told from names in this way, since no engine's name begins with a digit.
+    """
     return word.lstrip("+-±≤≥<>~([").replace(".", "", 1)[:1].isdigit()
 
 

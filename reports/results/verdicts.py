@@ -92,7 +92,8 @@ class Verdict(Record):
     def _is_wrong(self) -> bool:
         """Whether the verdict makes a study fail.
 
-        It does if its word does, and the method is neither as shipped nor expected to fail.
+        Verdicts of some kinds do (`VerdictKind.fails`), unless the method is as shipped or its
+        failure is expected.
         """
         return VERDICT[self.verdict].fails and not (self.as_shipped or self.expected_failure)
 

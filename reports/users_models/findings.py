@@ -111,7 +111,12 @@ def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
 
 
 def differences(inspection: Inspection) -> list[Finding]:
-    """Return findings about engines: why they refuse the file, then wrong bodies, worst first."""
+    """Return findings on what engines make of the model file.
+
+    The first ones say why engines refuse it. The others are on links that an engine holds otherwise
+    than the file states, the worst first (`badness`); links with the same engine and statement
+    share one finding.
+    """
     wrong = sorted(wrong_readings(inspection), key=lambda one: badness(one[0]), reverse=True)
     return [
         *(Finding((" ".join(who),), (), reason) for who, reason in inspection.refusals.items()),

@@ -200,10 +200,11 @@ class Model:
 
 
 def _frame_of_rigid_body(world: World, scenario: Scenario) -> tuple[Rotation, FloatArray]:
-    """Return `body_from_principal` and `link_com` of a body in maximal coordinates.
+    """Return the principal axes and the com of a body that is in PyBullet's maximal coordinates.
 
-    They follow from its pose after loading. PyBullet does not report them: for such bodies
-    `getDynamicsInfo` returns uninitialised memory.
+    These are the rotation from principal to body axes and the com, m, body axes, (3,), for
+    `Model.body_from_principal` and `Model.link_com`. They are computed from the body's pose after
+    loading, because for such bodies `getDynamicsInfo` returns uninitialised memory.
     """
     com_world, q_world_principal_xyzw = p.getBasePositionAndOrientation(world.body, world.client)
     q_world_body_wxyz = scenario.start.q_world_body_wxyz
