@@ -197,9 +197,10 @@ def _attitude(
     """
 
     def at(x: mpf) -> tuple[CayleyKlein, tuple[mpc, mpc]]:
-        """Return A, B, A' and B' at an argument x, up to one phase factor common to all.
+        """Return A, B and their derivatives by time, A' and B', 1/s, at an argument x of the thetas.
 
-        The factor makes A real. It cancels in A'/A and B'/B.
+        All four are multiplied by the same phase factor, chosen so that A is real. The factor
+        cancels in A'/A and B'/B.
         """
         sn, cn, dn = functions(x)
         (a1, a2, a3), (I1, I2, I3) = body.amplitudes, body.moments

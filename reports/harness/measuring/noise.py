@@ -60,10 +60,11 @@ def rounding_of_body(condition: float, ulp: float = float(np.finfo(float).eps)) 
 def noise_of(
     equations: Equations, steps: Steps, engine: Engine, condition: float, *, settled: bool
 ) -> FloatArray:
-    """Return the standard deviation of the noise of gains, from all sources that are not measured.
+    """Return the standard deviation of the noise of gains, except for noise that is measured.
 
-    The gains are means of repeats. The sources are rounding, the body that the engine holds, turns
-    that it ignores, and residuals of its solver: the docstring of this module lists them.
+    Each gain is a mean over repeated steps. The noise comes from rounding, from the difference that
+    is allowed between the engine's body and the scene's, from turns so small that the engine
+    ignores them, and from residuals of its solver: the docstring of this module lists all sources.
 
     Parameters
     ----------
