@@ -197,7 +197,7 @@ def _attitude(
     """
 
     def at(x: mpf) -> tuple[CayleyKlein, tuple[mpc, mpc]]:
-        """Return A, B and their derivatives by time, A' and B', 1/s, at an argument x of the thetas.
+        """Return A, B and their derivatives by time, A' and B', 1/s, at an argument x of thetas.
 
         All four are multiplied by the same phase factor, chosen so that A is real. The factor
         cancels in A'/A and B'/B.
