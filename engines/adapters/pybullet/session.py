@@ -7,11 +7,17 @@ from typing import Any, final
 
 import numpy as np
 import pybullet as p
-from spincheck.engine import BodyReading, EngineError, Fault, Scenario, Session, State
+from spincheck.engine import (
+    BodyReading,
+    EngineError,
+    Fault,
+    FloatArray,
+    Scenario,
+    Session,
+    State,
+)
 
-from ....scenarios import FloatArray
 from ....scenarios.rotation import matrix
-from ...checks.equations import Equations
 from ...native_output import native_output
 from .audit import what_acts
 from .load import BodyRepresentation, load
@@ -25,7 +31,7 @@ from .worlds import give_back, take_world
 DEFAULT_CLAMP = 100.0
 #: Timestep, s, so short that a body at rest does not move in it.
 IDLE = 2.0**-60
-#: How far a body is lifted off its contact, in units of the com's distance from its tip.
+#: How far a body is lifted off its contact, in units of its lever and radius of gyration together.
 ABOVE = 100.0
 #: Relative tolerance of a clamped velocity, which is read back through a rotation and so rounded.
 ROTATED = 8 * float(np.finfo(float).eps)
@@ -96,7 +102,9 @@ class PyBulletSession(Session):
             self._step_at_rest(self._motions[key], on_pivot)
         if self.world.scene["plane"] is not None:
             # PyBullet keeps the impulses of a contact until a step in which nothing touches.
-            up = np.array([0.0, 0.0, ABOVE * Equations(self._scenario).reach])
+            body, lever = self._scenario.body, self._scenario.constraint.lever
+            size = np.linalg.norm(lever) + np.sqrt(body.principal_moments[-1] / body.mass)
+            up = np.array([0.0, 0.0, ABOVE * size])
             self._step_at_rest(self._motions[key], state.com_world + up)
         self.world.restart(self._motions[key], timestep)
 
