@@ -127,6 +127,10 @@ class World:
             self.lay_under()
         if not has_motors:
             self.take_away_motors()
+        if scene["plane"] is not None:
+            # As `restart` does: PyBullet rounds a pose that is loaded otherwise, and a contact
+            # divides what is rounded by the timestep.
+            p.resetBasePositionAndOrientation(self.body, scene["place"], scene["turn"], client)
         self.set_moving(scene)
         p.setGravity(*scene["gravity"], physicsClientId=client)
         self.set_torques()

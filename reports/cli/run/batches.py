@@ -191,13 +191,18 @@ def _conclusions(rows: Sequence[BatchRow]) -> Iterator[str]:
     if beside is None:
         return
     costs = {row.worlds: (row.seconds_per_step or 0.0) / row.worlds for row in rows}
-    paying = [count for count in costs if all(costs[n] < beside for n in costs if n >= count)]
-    mujoco = f"one of {rows[0].beside_by}, {duration(beside)} on one core"
-    most = f"with up to {_worlds(max(costs))}"
-    cheaper = f"from {_worlds(paying[0])} on" if paying else most
+    cheaper = [count for count, cost in costs.items() if cost < beside]
+    dearer = [count for count in costs if count not in cheaper]
+    if not cheaper:
+        which = f"with up to {_worlds(max(costs))}"
+    elif min(cheaper) > max(dearer, default=0):
+        which = f"from {_worlds(min(cheaper))} on"
+    else:
+        which = f"with {', '.join(map(str, cheaper[:-1]))}{' or ' * (len(cheaper) > 1)}"
+        which += _worlds(cheaper[-1])
     yield (
-        f"On the {rows[0].device}, {cheaper}, a world's step costs "
-        f"{'less' if paying else 'more'} than {mujoco}."
+        f"On the {rows[0].device}, {which}, a world's step costs {'less' if cheaper else 'more'} "
+        f"than one of {rows[0].beside_by}, {duration(beside)} on one core."
     )
 
 

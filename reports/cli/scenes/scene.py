@@ -140,7 +140,8 @@ def scene_rows(scenario: Scenario) -> Iterator[dict[str, str]]:
         if isinstance(value, Effect):
             yield from _effect_rows(value, _table(scenario, value))
             continue
-        counted = "; with rotors as fixed parts" if name in OF_THE_WHOLE and scenario.rotors else ""
+        has_parts = scenario.carrier.mass != scenario.body.mass
+        counted = "; with parts that turn in it" if name in OF_THE_WHOLE and has_parts else ""
         yield _row(name, value, MEANINGS.get(name, "") + counted)
 
 

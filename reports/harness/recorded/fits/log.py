@@ -44,6 +44,7 @@ class Log(Data):
     is_stated : whether the noise was stated by the user; else it was estimated
     has_omega : whether ω was recorded; if not, only attitudes are fitted
     dropped : number of samples after the last one that `while_followed` has left out
+    is_exact : whether hypotheses are followed with the integrator `EXACT` in any case
     """
 
     scene_start: FloatArray
@@ -53,6 +54,7 @@ class Log(Data):
     is_stated: bool
     has_omega: bool
     dropped: int = 0
+    is_exact: bool = False
 
     @cached_property
     def rate(self) -> float:
@@ -71,6 +73,8 @@ class Log(Data):
 
         It is `APPROXIMATE` if the error of that is less than the noise of the mean of all samples.
         """
+        if self.is_exact:
+            return EXACT
         error = ERROR * self.rate * float(np.abs(self.t - self.t[0]).max())
         noise = min(self.noise[0], self.noise[1] / (self.rate or 1.0)) / np.sqrt(len(self.t))
         return APPROXIMATE if error < noise else EXACT
@@ -151,7 +155,10 @@ class Log(Data):
         """
         (made,) = self.made(self.base[None], self.t)
         off = np.abs(apart(made, states_of(exact)) / np.repeat(self.noise, 3)).max(axis=1)
-        lost = np.flatnonzero(~(off <= LEFT))
+        # A motion that is too fast for what was recorded is nan, and not lost.
+        lost = np.flatnonzero(off > LEFT)
+        if len(lost) and not self.is_exact:
+            return replace(self, is_exact=True).while_followed(exact)
         kept = max(FEWEST, int(lost[0])) if len(lost) else len(self.t)
         dropped = max(0, len(self.t) - kept)
         return replace(self, t=self.t[:kept], states=self.states[:kept], dropped=dropped)

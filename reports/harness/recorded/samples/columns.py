@@ -80,7 +80,8 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
     bound = float(np.abs(some).max())
     is_at_bound = np.abs(some) == bound
     # A component that is constant throughout may be the motion's own.
-    is_cut = is_at_bound & (np.ptp(some, axis=0) > CHANGES * numbers.resolution_omega)
+    constant = max(numbers.resolution_omega, CHANGES * float(np.finfo(float).eps) * bound)
+    is_cut = is_at_bound & (np.ptp(some, axis=0) > constant)
     is_between = is_cut[1:] & (some[1:] == some[:-1])
     excess = (numbers.rates[:, columns] * np.sign(some[1:]))[is_between] - bound
     if len(excess) < FEWEST:

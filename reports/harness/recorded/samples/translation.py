@@ -46,9 +46,14 @@ def mistakes_of_translation(
             continue
         reference = getattr(exact, f"{name}_world")
         least = float(norms(getattr(motion, f"{name}_world") - reference).max())
-        residuals = {word: _largest(other - reference) / unit for word, other, unit in candidates}
-        word = min(residuals, key=residuals.__getitem__)
-        if least > FITS * scale and residuals[word] < LEFT * min(least, scale):
+        if not scale or least <= FITS * scale:
+            continue
+        # What a correction leaves of the error is compared with the error in the same unit.
+        left, word = min(
+            (_largest(other - reference) / min(unit * least, scale), word)
+            for word, other, unit in candidates
+        )
+        if left < LEFT:
             words.append(word)
     return words
 

@@ -90,12 +90,19 @@ def test_a_dear_batch_is_not_said_to_pay(capsys: pytest.CaptureFixture[str]) -> 
     assert "with up to 64 worlds, a world's step costs more than" in text
 
 
-def test_a_batch_pays_from_where_all_larger_ones_do(capsys: pytest.CaptureFixture[str]) -> None:
+def test_batches_that_pay_are_named_where_larger_ones_do_not(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     """A world's step takes 1.5 µs of 2, 2 µs of 16, and 1 µs of 64 worlds."""
     costs = {2: 3e-6, 16: 32e-6, 64: 64e-6}
     rows = [replace(SAME, worlds=n, seconds_per_step=t) for n, t in costs.items()]
     print_batches([replace(row, beside=1.8e-6) for row in rows])
     text = " ".join(capsys.readouterr().out.split())
-    assert "from 64 worlds on, a world's step costs less than" in text
+    assert "with 2 or 64 worlds, a world's step costs less than" in text
+    costs = {2: 3e-6, 16: 24e-6, 64: 128e-6}
+    rows = [replace(SAME, worlds=n, seconds_per_step=t, beside=1.8e-6) for n, t in costs.items()]
+    print_batches(rows)
+    text = " ".join(capsys.readouterr().out.split())
+    assert "with 2 or 16 worlds, a world's step costs less than" in text
     print_batches([replace(row, beside=None) for row in rows])
     assert "a world's step costs" not in capsys.readouterr().out

@@ -20,7 +20,7 @@ def test_every_number_of_a_shown_scene_has_its_unit():
     assert {name for name, row in rows.items() if not row["unit"]} <= {
         *("scene", "source", "tags", "effects")
     }
-    assert rows["mass"]["unit"] == "kg; with rotors as fixed parts"
+    assert rows["mass"]["unit"] == "kg; with parts that turn in it"
     assert rows["com"]["value"] == "[0.007894737, -0.01052632, 0.02894737]"
     assert rows["rotors 2: hinge"]["value"] == "locked"
     top = rows_of("fast-top")

@@ -200,6 +200,29 @@ def test_every_wrong_sample_is_counted() -> None:
     assert f"at {len(wrong)} samples" in said
 
 
+@pytest.mark.parametrize("digits", [3, 17])
+def test_a_gyroscope_saturates_just_below_the_largest_rate(digits: int) -> None:
+    scene = body([0.3, 0.5, 2.0], [1.0, 2.0, 2.2])
+    motion = solve(scene, np.linspace(0.0, 10.0, 301)).trajectory
+    read = np.vectorize(lambda x: float(f"{x:.{digits}g}"), otypes=[float])
+    omega = read(np.clip(motion.omega_body, -1.99, 1.99))
+    arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": omega}
+    (words, *_) = judged(scene, arrays, None).explained_by
+    assert words.startswith("the gyroscope saturates: each component of ω is clamped to 1.99 rad/s")
+
+
+@pytest.mark.parametrize("decimals", [4, 6])
+def test_uneven_times_are_told_where_rounding_hides_the_change_of_omega(decimals: int) -> None:
+    scene = body([1e-5, 0.0, 2.0], [2.0, 2.0, 3.0])
+    even, chance = np.linspace(0.0, 4.0, 201), np.random.default_rng(0)
+    true = np.concatenate([[0.0], np.cumsum(chance.uniform(0.5, 1.5, 200))])
+    motion = solve(scene, 4.0 * true / true[-1]).trajectory
+    omega = np.round(motion.omega_body, decimals)
+    arrays = {"t": even, "q": np.round(motion.q_world_body_wxyz, 9), "omega": omega}
+    (words,) = judged(scene, arrays, None).explained_by
+    assert words.startswith("each state is that of another time")
+
+
 def body(omega: list[float], moments: list[float]) -> Scenario:
     """A body in its own axes that turns freely."""
     tables = {

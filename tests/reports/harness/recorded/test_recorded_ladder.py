@@ -83,7 +83,7 @@ def test_files_of_an_engine_with_a_fault_disagree(tmp_path, fault, method):
     ("timestep", "begin", "words"),
     [
         (0.004, 0.0, r"must be halved from file to file, got 0\.01 and"),
-        (0.005, 0.01, "must share sample times"),
+        (0.005, 0.01, "must share two sample times"),
     ],
 )
 def test_files_that_are_no_ladder_are_refused(tmp_path, timestep, begin, words):

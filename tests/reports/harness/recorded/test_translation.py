@@ -132,6 +132,28 @@ def exact_of(scene: str) -> tuple[Scenario, Arrays]:
     return scenario, {name: np.array(getattr(motion, of)) for name, of in names.items()}
 
 
+#: What a com in mm may be off by besides, mm: a step of semi-implicit Euler, rounding, noise.
+BESIDES = {
+    "a method's error": lambda com: com - 0.5 * np.outer(MOTION.t, [0, 0, 9.81]),
+    "rounding to 1 mm": np.rint,
+    "noise": lambda com: com + np.random.default_rng(3).normal(0, 1, com.shape),
+    "another origin": lambda com: com + np.array([0.0, 0.0, 10.0]),
+}
+
+
+@pytest.mark.parametrize("besides", BESIDES)
+def test_a_unit_is_named_beside_a_small_error(besides):
+    arrays = {"com": BESIDES[besides](1e3 * MOTION.com_world)}
+    assert judged(THROWN, RIGHT | arrays, 1e-3).explained_by == ("x y z are in mm; x [mm] says so",)
+
+
+def test_a_com_that_hardly_moves_is_in_no_smaller_unit():
+    """The velocity of the com is rounding alone, which any smaller unit would make smaller."""
+    scene, arrays = exact_of("asleep-at-the-threshold")
+    off = {"velocity": np.random.default_rng(2).normal(0, 1e-6, arrays["com"].shape)}
+    assert not any("is in" in one for one in judged(scene, arrays | off, 1e-3).explained_by)
+
+
 @pytest.mark.parametrize("off", [1e-17, np.array([1.0, 2.0, 3.0])])
 def test_a_com_that_rests_at_the_origin_says_nothing_of_units(off):
     """It is zero in every unit."""
