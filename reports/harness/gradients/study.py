@@ -124,8 +124,7 @@ def _study(
     Raises
     ------
     EngineError
-        If the engine cannot be opened or read; `UnsupportedError` if it cannot simulate the scene,
-        or the window is shorter than the timestep.
+        If the engine cannot be opened or read; `UnsupportedError` if it cannot simulate the scene.
     """
     method = engine.method(method_name)
     if reason := engine.unsupported(scenario, method):
@@ -136,9 +135,5 @@ def _study(
     with sessions_of(engine, method, scenario, float(at.timesteps[0])) as sessions:
         read_at_start(sessions.first, scenario)
         h = timestep or float(at.timesteps[FINE])
-        if window is not None and window < h:
-            raise UnsupportedError(
-                f"the window of {window:g} s is shorter than a step of {h:.3g} s"
-            )
         counts = counts_to(STEPS if window is None else max(1, round(window / h)))
         yield MethodStudy(sessions, engine, method, at, units_of(engine, rate), h, counts)

@@ -340,12 +340,6 @@ def test_a_derivative_that_is_not_offered_any_more_is_a_row_that_says_so() -> No
     assert row.judged.reason == "it does not offer 'of yesterday' any more"
 
 
-def test_a_window_that_is_shorter_than_a_step_is_refused() -> None:
-    (row,) = gradients_of(library_scene("fast-top"), MUJOCO, "Euler", window=1e-9)
-    assert row.judged.verdict == "unsupported"
-    assert row.judged.reason.startswith("the window of 1e-09 s is shorter than a step of 0.00")
-
-
 def test_a_derivative_that_cannot_be_had_is_a_row_with_the_reason(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
