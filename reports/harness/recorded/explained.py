@@ -130,7 +130,7 @@ def _by_equations(case: Case) -> Explanation:
         log = log.while_followed(case.exact)
         fit, case = Measured(case.scenario, log), replace(case, noise=noise)
         # If ω was recorded wrongly, that is corrected before the log is fitted.
-        is_tried = fit.search.is_called_for and _may_be_mistaken(case)
+        is_tried = not fit.requires_nothing and _may_be_mistaken(case)
         if is_tried and (both := _beside_a_mistake(case)):
             return both
         compared = case.motion.until(len(log.t)), case.exact.until(len(log.t))

@@ -137,13 +137,22 @@ class LogFit:
         return Stepwise(self.given, [*usual, *special], usual=usual)
 
     @cached_property
+    def requires_nothing(self) -> bool:
+        """Whether the samples are those of the scene within noise, and no change improves the fit.
+
+        All changes are tried, linearised, on all samples at once.
+        """
+        if self._is_beyond(self.search.unchanged):
+            return False
+        every = replace(self.search, changes=[*self.search.changes, self.by_attitude])
+        return every.stepwise(self.search.unchanged, MOST_CHANGES) is self.search.unchanged
+
+    @cached_property
     def found(self) -> Fit:
         """The best fit, with all changes of equations or sensors that the samples require."""
         search = self.search
-        if not self._is_beyond(search.unchanged):
-            every = replace(search, changes=[*search.changes, self.by_attitude])
-            if every.stepwise(search.unchanged, MOST_CHANGES) is search.unchanged:
-                return search.unchanged
+        if self.requires_nothing:
+            return search.unchanged
         # A fit from the first samples of a sensitive motion may go astray.
         first = search.from_first_samples(MOST_CHANGES)
         found = max(search.unchanged, first, key=search.score)

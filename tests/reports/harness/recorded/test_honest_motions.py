@@ -14,8 +14,10 @@ from reported_faults import judged
 from scipy.spatial.transform import Rotation
 from spincheck.engines import State
 from spincheck.reference import solve
+from spincheck.reports.harness.recorded import explained
 from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.fits.log import log_of
+from spincheck.reports.harness.recorded.fits.stepwise import Stepwise
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.scenarios.scenario import started_at
 
@@ -94,6 +96,17 @@ def test_noise_about_a_sensitive_motion_is_explained_by_nothing(
     assert found.measured is not None
     if name == "separatrix-exactly":
         assert "are left out, as a difference of the start by rounding has grown" in found.verdict
+
+
+def test_an_honest_log_is_not_searched_for_what_explains_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(explained, "followed", lambda *_: pytest.fail("mistakes are tried"))
+    searched = lambda *_, **__: pytest.fail("changes are fitted")  # noqa: E731
+    monkeypatch.setattr(Stepwise, "from_first_samples", searched)
+    found = noisy(library_scene("book-pushed"), 1e-2, is_stated=True).judged()
+    assert found.measured is not None
+    assert found.explained_by == ()
 
 
 def test_a_blow_late_in_a_noisy_log_is_found_whatever_follows_the_hypotheses() -> None:
