@@ -105,8 +105,8 @@ class MuJoCoSession(CoordinateSession):
     def _stepping(self) -> Iterator[None]:
         """Collect MuJoCo's warnings inside the block, in which MuJoCo may take steps.
 
-        Before it, MuJoCo is given this session's clock, or none. A fatal error of MuJoCo is raised
-        as `EngineError`.
+        Before it, MuJoCo is given the clock of this object, or none. A fatal error of MuJoCo is
+        raised as `EngineError`.
         """
         clock.hang(self._clock)
         try:

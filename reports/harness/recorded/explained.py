@@ -14,12 +14,9 @@ Three kinds of explanations are tried, in this order:
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import fdtrc
 
-from ....scenarios import FloatArray, Trajectory
+from ....scenarios import FloatArray
 from ....scenarios.rotation import norms
-from ..explaining.fit import TINY
-from ..explaining.search import SIGNIFICANCE
 from .case import Case
 from .findings import Finding, finding, parts_of
 from .fits.log import log_of
@@ -28,11 +25,11 @@ from .fits.motion_changes import sentences
 from .fits.other_physics import Physics
 from .fits.read_attitude import attitude_read
 from .fits.read_omega import OMEGA, omega_read
-from .fits.since import since_exactly, since_when
+from .fits.since import CHANGED, since_exactly, since_left_out, since_when
 from .fits.starts import elsewhere
 from .samples.alternation import Alternation, alternation
 from .samples.hinges import keeps_momentum_of_start, spins_beyond
-from .samples.intervals import deviations_from_flow, intervals_of
+from .samples.intervals import intervals_of
 from .samples.missing import is_omega_off
 from .samples.mistakes import FITS, followed
 
@@ -46,10 +43,6 @@ UNTIL = "that explains it until t = {:.4g} s, and not all that follows: look for
 EXACT_UNTIL = (
     "until t = {:.4g} s it is the exact motion with noise, and not in all that follows: look for "
     "what changed"
-)
-CHANGED = (
-    "{}; from then on it is another one, off by up to {:.2g}° and {:.2g} rad/s from sample to "
-    "sample: look for what changed there"
 )
 #: The most mistakes in recording that are tried, one at a time, together with other explanations.
 MOST_TRIED = 3
@@ -136,7 +129,7 @@ def _by_equations(case: Case) -> Explanation:
         compared = case.motion.until(len(log.t)), case.exact.until(len(log.t))
         if fit.is_beyond and (words := since_when(fit, *compared)):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
-        if words := _later(fit, case.motion):
+        if words := since_left_out(fit, case.motion):
             return Explanation(tuple(words), fit.verdict, is_beyond=True, measured=fit)
         # A constraint solver's error looks like noise, but the method has other errors, too.
         is_measured = case.stated is not None or bool((noise > _of_solvers(case)).any())
@@ -159,33 +152,6 @@ def _by_equations(case: Case) -> Explanation:
         return found
     both = _beside_a_mistake(case) if _may_be_mistaken(case) and not is_tried else None
     return both or _since_exactly(case) or _by_its_beginning(case) or found
-
-
-def _later(fit: Measured, motion: Trajectory) -> list[str]:
-    """Return the sentence that a motion changes among the samples that a fit leaves out; or none.
-
-    However unstable the motion is, the scene's equations lead from each sample to the next to
-    within noise. By an F-test, the deviations of the samples that are left out are compared with
-    those of the samples before; as two neighbours share the noise of a sample, half of the
-    deviations count.
-
-    Parameters
-    ----------
-    motion : the whole recorded motion
-    """
-    kept = len(fit.given.t)
-    if kept == len(motion.t):
-        return []
-    squares = norms(deviations_from_flow(fit.scenario, motion).reshape(-1, 3)).reshape(-1, 2) ** 2
-    before, after = squares[: kept - 1], squares[kept - 1 :]
-    counts = 3 * len(after) / 2, 3 * len(before) / 2
-    tails = fdtrc(*counts, after.mean(axis=0) / np.maximum(before.mean(axis=0), TINY))
-    if tails.min() > SIGNIFICANCE / 2:
-        return []
-    last = kept - 1 + int((after / np.maximum(before.mean(axis=0), TINY)).max(axis=1).argmax())
-    begins = f"until t = {motion.t[last]:.4g} s it is the exact motion with noise"
-    turned, faster = np.sqrt(after.max(axis=0))
-    return [CHANGED.format(begins, np.degrees(turned), faster)]
 
 
 def _may_be_mistaken(case: Case) -> bool:

@@ -7,13 +7,14 @@ of place.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import chdtrc
+from scipy.special import chdtrc, fdtrc
 
 from .....reference.deviations import apart
 from .....scenarios import FloatArray, Trajectory
 from .....scenarios.rotation import norms
+from ...explaining.fit import TINY
 from ...explaining.search import LEFT, SIGNIFICANCE
-from ..samples.intervals import Intervals, states_of
+from ..samples.intervals import Intervals, deviations_from_flow, states_of
 from .log import FEWEST, log_of
 from .log_fit import START
 from .measured import Measured
@@ -22,6 +23,12 @@ from .measured import Measured
 AT_ONCE = 3
 #: Largest distance of two motions, in standard deviations of noise, at which they count as equal.
 MEET = 5.0
+
+#: The sentence on a change that nothing explains, after the words on the motion before it.
+CHANGED = (
+    "{}; from then on it is another one, off by up to {:.2g}° and {:.2g} rad/s from sample to "
+    "sample: look for what changed there"
+)
 
 
 def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str]:
@@ -78,6 +85,33 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
         f"{begins} it jumps, the attitude by {np.degrees(turned):.2g}° and ω by {faster:.2g} "
         "rad/s, and goes on as the equations say"
     ]
+
+
+def since_left_out(fit: Measured, motion: Trajectory) -> list[str]:
+    """Return the sentence that a motion changes among the samples that a fit leaves out; or none.
+
+    However unstable the motion is, the scene's equations lead from each sample to the next to
+    within noise. By an F-test, the deviations of the samples that are left out are compared with
+    those of the samples before; as two neighbours share the noise of a sample, half of the
+    deviations count.
+
+    Parameters
+    ----------
+    motion : the whole recorded motion
+    """
+    kept = len(fit.given.t)
+    if kept == len(motion.t):
+        return []
+    squares = norms(deviations_from_flow(fit.scenario, motion).reshape(-1, 3)).reshape(-1, 2) ** 2
+    before, after = squares[: kept - 1], squares[kept - 1 :]
+    counts = 3 * len(after) / 2, 3 * len(before) / 2
+    tails = fdtrc(*counts, after.mean(axis=0) / np.maximum(before.mean(axis=0), TINY))
+    if tails.min() > SIGNIFICANCE / 2:
+        return []
+    last = kept - 1 + int((after / np.maximum(before.mean(axis=0), TINY)).max(axis=1).argmax())
+    begins = f"until t = {motion.t[last]:.4g} s it is the exact motion with noise"
+    turned, faster = np.sqrt(after.max(axis=0))
+    return [CHANGED.format(begins, np.degrees(turned), faster)]
 
 
 class Since(NamedTuple):
