@@ -4,17 +4,20 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 
+from .....reference.other_equations import equations_of
 from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.rotation import norms
 from ...explaining.search import LEFT
-from .intervals import NEAR, deviations_from_flow
+from .intervals import NEAR, derivatives_of_flow, deviations_from_flow, states_of
 
 #: Least number of samples in which alternation can be found.
 FEWEST = 12
 #: Variance of fourth differences of noise, in units of the noise's variance, by the lag of the
-#: differences. At a lag of one sample it is Σ (4 over k)². At a lag of two samples only the first
-#: difference is between neighbours: the operator is (1 − B)(1 − B²)³, with the shift B by a sample.
+#: differences, if the flow carries a small change of a state on unchanged. At a lag of one sample
+#: it is Σ (4 over k)². At a lag of two samples only the first difference is between neighbours:
+#: the operator is (1 − B)(1 − B²)³, with the shift B by a sample.
 OF_DIFFERENCES = {1: 70.0, 2: 40.0}
 #: Least ratio of fourth to third differences of errors that alternate. For noise it is √3.5 at a
 #: lag of one sample and √(10/3) at two. For smooth errors it is less than the angle by which the
@@ -48,6 +51,7 @@ class Alternation:
     every_second : the same of differences with a lag of two samples, (2, 2)
     throughout : whether most samples contribute to the fourth differences, for attitude and for ω,
         (2,); otherwise these may be due to a single jump
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,), if the alternation is noise
     least : least standard deviation that counts as noise of attitude, rad, and ω, rad/s, (2,);
         less may be rounding or an integrator's interpolation
     """
@@ -55,12 +59,8 @@ class Alternation:
     every: FloatArray
     every_second: FloatArray
     throughout: NDArray[np.bool_]
+    noise: FloatArray
     least: FloatArray
-
-    @property
-    def noise(self) -> FloatArray:
-        """Standard deviations of attitude, rad, and ω, rad/s, (2,), if the alternation is noise."""
-        return np.asarray(self.every[1] / np.sqrt(OF_DIFFERENCES[1]))
 
     @property
     def is_noise(self) -> NDArray[np.bool_]:
@@ -119,7 +119,32 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     )
     fourth = squares[0][1]
     throughout = np.median(fourth, axis=0) > LEFT * np.mean(fourth, axis=0)
-    return Alternation(every, every_second, throughout, least)
+    units = np.array([1.0, fastest or 1.0])
+    variances = _variances_of_differences(scenario, motion, units[1])
+    noise = units * np.sqrt(nnls(variances, (every[1] / units) ** 2)[0])
+    return Alternation(every, every_second, throughout, noise, least)
+
+
+def _variances_of_differences(scenario: Scenario, motion: Trajectory, unit: float) -> FloatArray:
+    """Return the variances of fourth differences by noise of variance one, (2, 2).
+
+    Those of attitude are in the first row and those of ω in the second one; the first column is by
+    noise of attitude, and the second one by noise of ω. The flow carries the noise of a sample, n,
+    on to the next one as Φ n, where drag may damp it. So the operator is (1 − B)³ (1 − Φ B), with
+    the shift B by a sample, and the variance of a component is 20 + 30 tr Φ / 3 + 20 ‖Φ‖² / 3, with
+    the Frobenius norm. This is `OF_DIFFERENCES` where Φ = 1. Of noise in the other quantity only
+    the last term is there.
+
+    Parameters
+    ----------
+    unit : the unit of ω, rad/s
+    """
+    states, spans = states_of(motion)[:-1], np.diff(motion.t)
+    every = derivatives_of_flow(equations_of(scenario), states, spans, unit)
+    derivatives = every.reshape(-1, 2, 3, 2, 3)
+    squares = np.median(np.sum(derivatives**2, axis=(2, 4)), axis=0)
+    traces = np.median(np.einsum("siajb,ij,ab->si", derivatives, np.eye(2), np.eye(3)), axis=0)
+    return np.asarray(20 * squares / 3 + np.diag(20 + 30 * traces / 3))
 
 
 def _differences(first: FloatArray, lag: int) -> list[FloatArray]:

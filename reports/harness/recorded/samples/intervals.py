@@ -192,17 +192,33 @@ def error_at_first_sample(
     method = _bounds(equations, states, spans, rates, step_lengths, order).sum(axis=0)
     # Errors grow along the motion as small differences of its start do.
     units = np.array([1.0, rates.max()])
-    differences = SMALL * np.eye(6)
-    turned = Rotation.from_quat(first[0, :4], scalar_first=True) * Rotation.from_rotvec(
-        differences[:, :3]
-    )
-    q, omega = turned.as_quat(scalar_first=True), first[:, 4:] + differences[:, 3:] * units[1]
-    others = follow(equations, np.hstack([q, omega]), np.full((6, 1), t[0]))[:, 0]
-    last = follow(equations, first, np.array([[t[0]]]))[0]
-    grown = apart(np.repeat(last, 6, axis=0), others) / np.repeat(units, 3) / SMALL
+    (grown,) = derivatives_of_flow(equations, first, np.array([t[0]]), units[1])
     if not np.isfinite(grown).all():
         return np.full(2, np.inf)
     return np.asarray(np.linalg.norm(grown, 2) * np.sum(method / units) * units)
+
+
+def derivatives_of_flow(
+    equations: OtherEquations, states: FloatArray, spans: FloatArray, rate: float
+) -> FloatArray:
+    """Return the derivatives of states at the ends of S spans by those at the starts, (S, 6, 6).
+
+    A change of a state is a rotation vector, rad, and a change of ω in units of `rate`, both in
+    body axes. Derivatives are computed by finite differences, with changes of size `SMALL`.
+
+    Parameters
+    ----------
+    states : q, scalar first, and ω, rad/s, body axes, at the starts, (S, 7)
+    spans : lengths of the spans, s, (S,)
+    rate : the unit of ω, rad/s
+    """
+    ends = follow(equations, states, spans[:, None])[:, 0]
+    q, columns = Rotation.from_quat(states[:, :4], scalar_first=True), []
+    for turn, faster in SMALL * np.eye(6).reshape(6, 2, 3):
+        turned = (q * Rotation.from_rotvec(turn)).as_quat(scalar_first=True)
+        starts = np.hstack([turned, states[:, 4:] + rate * faster])
+        columns.append(apart(ends, follow(equations, starts, spans[:, None])[:, 0]))
+    return np.stack(columns, axis=2) / np.repeat([1.0, rate], 3)[:, None] / SMALL
 
 
 def states_of(motion: Trajectory) -> FloatArray:
