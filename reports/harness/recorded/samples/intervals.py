@@ -218,7 +218,8 @@ def derivatives_of_flow(
         turned = (q * Rotation.from_rotvec(turn)).as_quat(scalar_first=True)
         starts = np.hstack([turned, states[:, 4:] + rate * faster])
         columns.append(apart(ends, follow(equations, starts, spans[:, None])[:, 0]))
-    return np.stack(columns, axis=2) / np.repeat([1.0, rate], 3)[:, None] / SMALL
+    units = SMALL * np.repeat([1.0, rate], 3)
+    return np.asarray(np.stack(columns, axis=2) / units[:, None])
 
 
 def states_of(motion: Trajectory) -> FloatArray:
