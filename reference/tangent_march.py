@@ -163,8 +163,9 @@ def march_with_tangent(
 
     Returns
     -------
-    Why the march ended, `DONE`, `PAUSED` or `STUCK`, and the index of the first sample that is not
-    written
+    Why the march ended, and the index of the first sample that is not written. The reason is
+    `DONE`, `PAUSED` (the limit of steps is reached) or `STUCK` (the step is too small for the
+    clock, or numbers overflow)
     """
     total = series.value[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

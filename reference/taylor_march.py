@@ -208,8 +208,9 @@ def march(
 
     Returns
     -------
-    Why the march ended, `DONE`, `PAUSED`, `STUCK` or `LIFTED`, and the index of the first sample
-    that is not written. If it is `LIFTED`, `clock` has the time at which the body leaves its table
+    Why the march ended, and the index of the first sample that is not written. The reason is
+    `DONE`, `PAUSED` (the limit of steps is reached), `STUCK` (the step is too small for the clock,
+    or numbers overflow) or `LIFTED`: the body leaves its table at the time that `clock` then has
     """
     total = series[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

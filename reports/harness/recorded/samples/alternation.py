@@ -108,7 +108,9 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     floor : errors of attitude, rad, and ω, rad/s, by the rounding of printed numbers, (2,)
     """
     fastest = float(norms(motion.omega_body).max())
-    if len(motion.t) < FEWEST or fastest * np.median(np.diff(motion.t)) >= NEAR:
+    # Fast rotors or a strong torque make the body nutate faster than it turns.
+    rate = max(fastest, float(equations_of(scenario).rate))
+    if len(motion.t) < FEWEST or rate * np.median(np.diff(motion.t)) >= NEAR:
         return None
     # These deviations are already differences of the noise of two samples.
     first = deviations_from_flow(scenario, motion)
