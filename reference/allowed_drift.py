@@ -20,7 +20,7 @@ SUMMED = 8
 
 
 def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) -> dict[str, float]:
-    """Return for each conservation law the largest drift that errors of the states explain.
+    """Return for each conservation law the largest drift that errors of a motion's states explain.
 
     The keys are the names of the laws. Drifts are relative to `Law.scale`; if that scale is zero,
     only the rounding of the drift itself is allowed.
@@ -28,8 +28,8 @@ def allowed_drifts(scenario: Scenario, motion: Trajectory, uncertainty: Errors) 
     Parameters
     ----------
     motion : the exact motion
-    uncertainty : the largest errors of its ω, relative, and of its attitude, rad; those of other
-        signals are not used
+    uncertainty : the largest errors of the motion's ω, relative, and of its attitude, rad; those of
+        other signals are not used
     """
     moved = list(moved_states(scenario, motion, uncertainty, PLACED))
     allowed = {}

@@ -43,18 +43,18 @@ _I2 = {"free": 2.5, "heavy": 2.0}
 
 
 def is_compiled() -> bool:
-    """Whether the machine code of all kernels that `compile_kernels` calls is on disk already."""
+    """Whether the machine code of all functions that `compile_kernels` compiles is on disk."""
     return FOLDER is not None and (FOLDER / COMPLETE).exists()
 
 
 def compile_march() -> None:
-    """Compile the kernels of the ODE integrator, in half the time of `compile_kernels`."""
+    """Compile the numba kernels of the ODE integrator, in half the time of `compile_kernels`."""
     for scenario in _scenes():
         solve_ode(scenario, scenario.times)
 
 
 def compile_flow() -> None:
-    """Compile the kernels of closed forms, and of the modules `flow`, `following`, `deviations`."""
+    """Compile the numba kernels of closed forms and of `flow`, `following` and `deviations`."""
     for scenario in _scenes():
         exact = ExactMotion(scenario).outline(scenario.times)
         flow(scenario, exact, np.zeros(len(exact.t)))
@@ -65,7 +65,7 @@ def compile_flow() -> None:
 
 
 def compile_kernels() -> None:
-    """Call each kernel once, except those of sensitivities, so that numba compiles or loads it.
+    """Call each numba kernel once, except those of sensitivities: numba compiles or loads it then.
 
     An empty file, `COMPLETE`, then marks the folder of machine code as complete, if that folder
     can be written.

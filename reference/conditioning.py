@@ -41,16 +41,17 @@ Solved = Callable[[Problem], Trajectory]
 
 
 def nudged(problem: Problem, k: int, size: mpf) -> Problem:
-    """Return the problem with start, moments, lever and rotors' momenta changed up or down.
+    """Return the problem with each number of its start, body and rotors changed up or down.
 
-    ω is changed relative to |ω|, or to √(m g l/I), the rate of the body's swing, if that is larger.
-    The attitude is turned by `size` rad about each axis. On a table, the changed problem does not
+    Moments, the distance from pivot or tip to com, and rotors' momenta are changed by `size` times
+    their value; ω by `size` times |ω|, or √(m g l/I), the rate of the body's swing, if larger.
+    The attitude is turned by `size` rad about each axis. On a table, the changed motion does not
     end at lift-off: its table can also pull.
 
     Parameters
     ----------
-    k : which of the `COUNT` choices of signs to use
-    size : change of each number, relative to that number
+    k : which of the `COUNT` choices of signs to use, from 0
+    size : relative size of the changes
     """
     with mp.workdps(DIGITS):
         by_moment = {

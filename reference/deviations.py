@@ -28,9 +28,9 @@ def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
 
 @kernel
 def _fill(computed: FloatArray, recorded: FloatArray, off: FloatArray) -> None:
-    """Write the deviations of S recorded states, (S, 7), from H computations into `off`, (H, S, 6).
+    """Write what `apart` returns for S recorded states, (S, 7), and H computations into `off`.
 
-    `computed` is (H, S, 7).
+    `computed` is (H, S, 7), and `off` is (H, S, 6).
     """
     for n in range(computed.shape[0]):
         for s in range(computed.shape[1]):

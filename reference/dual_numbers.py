@@ -40,10 +40,10 @@ class Dual(NamedTuple):
 
 
 def of_duals(in_double: Any) -> Callable[[Any], Any]:
-    """Return a decorator for the function on duals that stands in for `in_double`.
+    """Return a decorator for a function on dual numbers that stands in for `in_double`.
 
-    Compiled code calls `in_double` by name in any case. If the first argument of that call is a
-    dual, the decorated function runs instead.
+    Compiled code calls `in_double` by name. If the first argument of the call is a `Dual`, the
+    decorated function runs instead.
 
     Parameters
     ----------

@@ -82,7 +82,7 @@ class EffectTerms:
 
     Attributes
     ----------
-    form : form of the effect's term
+    form : mathematical form of the effect's torque, such as "constant" or "linear" in ω
     posed : returns the effect's numbers, by attribute of `Problem`, given the scene and the
         quaternion from body axes to principal axes
     turns : returns whether the effect turns the body of a problem at all

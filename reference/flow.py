@@ -112,7 +112,8 @@ def flow_each(
 
     Returns
     -------
-    The number of states, counted from the first, that were replaced
+    The number of states, counted from the first, that were replaced: fewer than n if the next one
+    takes more than `steps` steps or leaves the range of doubles
     """
     series = np.empty((ORDERS[-1] + 1, COLUMNS))
     for k in range(spans.size):

@@ -232,7 +232,7 @@ def _zeros(body: JacobiMotion) -> tuple[mpf, mpf]:
 
     With c = I3 a3/|L|, L3 = |L| at u = iy means c dn(iy|m) = 1. As dn(iy|m) = dn/cn(y|m1) (DLMF
     22.6.12), tan² am y = (1 − c²)/(m c²) for B; A vanishes at y − 2K'. If ω circulates about the
-    axis of the smallest moment, both have the opposite sign.
+    axis of the smallest moment, the two numbers have the opposite sign.
     """
     (I1, _, I3), (a1, _, a3) = body.moments, body.amplitudes
     m, away, near = body.lattice.m, (I1 * a1) ** 2, (I3 * a3) ** 2

@@ -148,7 +148,7 @@ def effective_potential(top: HeavySymmetricTop, beta: FloatArray) -> FloatArray:
 
 
 def nutation_bounds(top: HeavySymmetricTop) -> tuple[float, float]:
-    """Return the smallest and the largest β, rad, that the top's E', p_α and p_γ allow.
+    """Return the smallest and the largest tilt β, rad, that energy and angular momenta allow.
 
     If the top sleeps unstably, the largest β is the one that the smallest push would lead to.
     """
@@ -161,8 +161,8 @@ def nutation_bounds(top: HeavySymmetricTop) -> tuple[float, float]:
 def nutation_period(top: HeavySymmetricTop) -> float:
     """Return the period of cos β, s: on a pivot 2 √(2 I1/κ) R_F(0, u3 − u2, u3 − u1).
 
-    u1, u2, u3 are `top.roots`, and R_F is Carlson's integral (DLMF 19.25.1). On a separatrix it is
-    inf; for steady precession it is the period of small nutations about the steady motion.
+    u1, u2, u3 are `top.roots`, κ is M g l, and R_F is Carlson's integral (DLMF 19.25.1). On a
+    separatrix the period is inf; for steady precession it is that of small nutations about it.
     """
     with mp.workdps(ROOT_DIGITS):
         u1, u2, u3 = top.roots
@@ -177,11 +177,12 @@ def nutation_period(top: HeavySymmetricTop) -> float:
 def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
     """Return the rate of precession α̇ averaged over a nutation, rad/s.
 
-    It is None if the axis reaches the vertical, or if the nutation never ends.
+    It is None if the axis reaches the vertical, or if the nutation never ends, on a separatrix.
 
-    With u = cos β, α̇ = [(p_α − p_γ)/(1 − u) + (p_α + p_γ)/(1 + u)]/2 I1. On a pivot u = u1 + (u2 −
-    u1) sn², with u1 and u2 the turning points, and each term's mean is its value at u1 times
-    Π(n|m)/K(m), a ratio of complete elliptic integrals (DLMF 19.2.7).
+    With u = cos β, α̇ = [(p_α − p_γ)/(1 − u) + (p_α + p_γ)/(1 + u)]/2 I1; p_α and p_γ are the
+    angular momenta about the vertical and the axis. On a pivot u = u1 + (u2 − u1) sn², with u1 and
+    u2 the turning points, and each term's mean is its value at u1 times Π(n|m)/K(m), a ratio of
+    complete elliptic integrals (DLMF 19.2.7).
     """
     period = nutation_period(top)
     if top.reaches_the_vertical or period == float("inf"):
@@ -200,11 +201,11 @@ def mean_precession_rate(top: HeavySymmetricTop) -> float | None:
 
 
 def steady_precession_rates(top: HeavySymmetricTop, cos_beta: mpf) -> tuple[float, ...]:
-    """Return the rates Ω, rad/s, at which a top of this p_γ can precess steadily at a given tilt β.
+    """Return the rates Ω, rad/s, at which the top can precess steadily at a given tilt β.
 
     They are the roots of I1 cos β Ω² − p_γ Ω + κ = 0 (Goldstein §5.7; Klein & Sommerfeld, Theory of
-    the Top, ch. V), the slow one first. There are none, one or two; they are real where
-    p_γ² ≥ 4 κ I1 cos β.
+    the Top, ch. V), the slow one first; p_γ is the angular momentum about the axis, and κ is M g l.
+    There are none, one or two; they are real where p_γ² ≥ 4 κ I1 cos β.
     """
     with mp.workdps(DIGITS):
         lead = top.I1 * cos_beta
@@ -221,7 +222,10 @@ def steady_precession_rates(top: HeavySymmetricTop, cos_beta: mpf) -> tuple[floa
 
 
 def sleeping_threshold(top: HeavySymmetricTop) -> float:
-    """Return the least |p_γ| that keeps the top upright, kg m²/s: √(4 κ I1) (Arnold §31)."""
+    """Return the least angular momentum about its axis that keeps a top upright, kg m²/s.
+
+    It is √(4 κ I1), with κ = M g l (Arnold §31).
+    """
     with mp.workdps(DIGITS):
         return float(mp.sqrt(4 * top.kappa * top.I1))
 
@@ -229,7 +233,8 @@ def sleeping_threshold(top: HeavySymmetricTop) -> float:
 def steady_angle(top: HeavySymmetricTop) -> float:
     """Return the angle β at the minimum of the effective potential, rad.
 
-    A top with the same p_α and p_γ would precess steadily at this angle. u = cos β solves
+    A top with the same angular momenta p_α and p_γ about the vertical and the axis would precess
+    steadily at this angle. u = cos β solves
     (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)²; the left side less the right has opposite signs at
     the two turning points.
     """
@@ -241,8 +246,9 @@ def small_nutation_frequency(top: HeavySymmetricTop) -> float:
     """Return the angular frequency of small oscillations of cos β about V_eff's minimum, rad/s.
 
     ω² = V_eff''/I1 = (p_γ² − 4 κ I1 cos β)/I1² + Ω² sin²β, where Ω is the rate of steady precession
-    at the minimum (Goldstein §5.7 for V_eff; V_eff' = 0 is used to simplify V_eff''). On a table ω²
-    is divided by 1 + ε sin²β, ε = `top.heave`.
+    at the minimum (Goldstein §5.7 for V_eff; V_eff' = 0 is used to simplify V_eff''), p_γ the
+    angular momentum about the axis, and κ = M g l. On a table ω² is divided by 1 + ε sin²β,
+    ε = `top.heave`.
     """
     with mp.workdps(ROOT_DIGITS):
         u = _bottom(top)
@@ -256,7 +262,7 @@ def small_nutation_frequency(top: HeavySymmetricTop) -> float:
 def _over_a_nutation(top: HeavySymmetricTop, rate: Callable[[mpf], mpf]) -> mpf:
     """Return ∫ rate(u) dt over one period of the nutation of a top on a table.
 
-    u is cos β, u1, u2, u3 are `top.roots`, and ε is `top.heave`. With u = u1 + (u2 − u1) sin²φ the
+    u is cos β; u1, u2, u3 are `top.roots`; ε is `top.heave`. With u = u1 + (u2 − u1) sin²φ the
     integrand is smooth, dt = √(2 I1/κ) √((1 + ε (1 − u²))/(u3 − u)) dφ, and φ goes from 0 to π.
     """
     u1, u2, u3 = top.roots

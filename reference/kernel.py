@@ -34,7 +34,10 @@ _MARKS = (b"from .kernel", b"from .doubledouble", b"from .rows", b"class Rows")
 
 
 def digest_of_kernels(package: Path) -> str:
-    """Return a digest, 16 hexadecimal digits, of all sources in a folder that may have kernels."""
+    """Return a digest, 16 hexadecimal digits, of the sources that numba's machine code depends on.
+
+    They are the modules in the folder `package` that contain one of the texts in `_MARKS`.
+    """
     digest = sha256()
     for path in sorted(package.glob("*.py")):
         source = path.read_bytes()

@@ -94,7 +94,7 @@ def _upright(up: Vector) -> Quaternion:
 
 
 def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
-    """Return A and B of the top's frame in the upright frame at t = 0, with |A|² + |B|² = 1."""
+    """Return A and B, Cayley–Klein parameters of the top's frame in the upright one, at t = 0."""
     q = product(product(conjugate(frames.q_left), problem.q_world_axes), conjugate(frames.q_right))
     length = mp.sqrt(mp.fsum(c * c for c in q))
     w, x, y, z = (c / length for c in q)
@@ -237,7 +237,7 @@ def _log_rates(
     functions, spin = jacobi(swing.lattice), omega[2] - constants_of_motion.d
 
     def height(x: mpf) -> tuple[mpf, mpf, mpf]:
-        """Return sn², cn² and u̇, 1/s, at x."""
+        """Return sn², cn² and the rate of u = cos β, 1/s, at x."""
         sn, cn, dn = functions(x)
         return sn**2, cn**2, 2 * swing.p * swing.u21 * sn * cn * dn
 

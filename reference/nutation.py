@@ -54,16 +54,16 @@ class Constants(NamedTuple):
 
     @property
     def c_plus_d(self) -> mpf:
-        """c + d, 1/s, with c as in the attribute `e`."""
+        """c + d, 1/s: the sum of L's upward component and its component along the axis, over I1."""
         return self.e + (1 + self.pole) * self.d
 
     @property
     def c_minus_d(self) -> mpf:
-        """c − d, 1/s, with c as in the attribute `e`."""
+        """c − d, 1/s: L's upward component less its component along the axis, divided by I1."""
         return self.e - (1 - self.pole) * self.d
 
     def c_minus_d_times(self, below: mpf, above: mpf) -> mpf:
-        """Return c − d u, 1/s, with u = cos β and c as in the attribute `e`.
+        """Return c − d u, 1/s, with c the upward component of L divided by I1, and u = cos β.
 
         Parameters
         ----------
@@ -93,10 +93,10 @@ def constants(start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
 def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf) -> Constants:
     """Return a top's constants of motion and start, with heights measured from a given pole.
 
-    A difference of numbers that agree to working precision is set to zero.
-
-    With γ the upward vertical along the top's axes, −γ1 + iγ2 = 2 A B*. The other parameters are as
-    in `constants`.
+    A difference of numbers that agree to working precision is set to zero. u̇ follows from A and B,
+    the Cayley–Klein parameters `start`: −γ1 + iγ2 = 2 A B*, with γ the upward vertical along the
+    top's axes. `pole` is 1 for the upper pole, −1 for the lower; the other parameters are as in
+    `constants`.
     """
     W = transverse(omega)
     tilt = abs(start.B if pole > 0 else start.A)

@@ -190,7 +190,7 @@ class _Varied:
 
 
 def _varied(scenario: Scenario, problem: Problem) -> Callable[[Change], _Varied]:
-    """Return a function of a change, which returns the problem and its derivative by the change."""
+    """Return a function that returns, for a given change, the problem and its derivative by it."""
     # The effects of the scene, not only those that turn the body: a lever that is zero may have a
     # derivative that is not.
     terms = terms_of(problem, scenario.called_for & TERMS.keys())
@@ -288,7 +288,7 @@ def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatA
 
 
 def _first_order(row: Tables, orders: Orders) -> Tables:
-    """Return a series of zeros, except that order 0 begins with `row`, as high and low parts."""
+    """Return a Taylor series, high and low parts: zeros, but `row` at the start of order 0."""
     series = np.zeros((2, orders.total + 1, WIDTH))
     series[:, :1, : row[0].shape[1]] = row
     return series[0], series[1]
@@ -356,7 +356,7 @@ def _named(scenario: Scenario, derived: Arrays, single: set[str]) -> Arrays:
 
     Parameters
     ----------
-    derived : derivatives by the names of `changes`
+    derived : derivatives, by the names that `changes` returns
     single : names of scalars, whose arrays lose their last axis
     """
     if not derived:
@@ -380,7 +380,7 @@ def _apart(
 
     Parameters
     ----------
-    coarser, finer : arrays of rotation and of translation, by two series
+    coarser, finer : derivatives of rotation and of translation, from series of fewer and more terms
     rate : the unit of ω, rad/s
     """
     return {

@@ -61,7 +61,7 @@ LOWER = 4
 
 @kernel
 def _move(series: Dual, tensor: Table, n: int) -> None:
-    """Write order n of the series of δI ω; `tensor` is δI, the derivative of the inertia tensor."""
+    """Write the n-th Taylor coefficient of δI ω; `tensor` is δI, the derivative of the inertia."""
     for i in range(3):
         moved = zero(series.value)
         for j in range(3):
@@ -75,7 +75,8 @@ def _add_inertia(
 ) -> None:
     """Add what a change δI of the inertia contributes to order n of δω' and order n + 1 of δω.
 
-    δω is the derivative of ω. Order n of ω', and of δω' at constant inertia, must be known.
+    The orders are those of Taylor series, δω is the derivative of ω, and `tensor` is δI. Order n of
+    ω', and of δω' at constant inertia, must be known.
     """
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)
@@ -163,8 +164,9 @@ def march_with_tangent(
 
     Returns
     -------
-    Why the march ended, `DONE`, `PAUSED` or `STUCK`, and the index of the first sample that is not
-    written
+    Why the march ended, and the index of the first sample that is not written. The reason is
+    `DONE`, `PAUSED` (the limit of steps is reached) or `STUCK` (the step is too small for the
+    clock, or numbers overflow)
     """
     total = series.value[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

@@ -122,9 +122,9 @@ def _stop_if_stopped(series: Table) -> None:
 
 @kernel
 def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
-    """Write the vectors that are fixed in the world into order 0 of a series.
+    """Write the vectors that are fixed in the world into order 0 of a Taylor series.
 
-    Order 0 has the state already; under drag, its ω is set to 0 if it is below `STOPPED`.
+    Order 0 has the state already; under drag, its ω is set to 0 if it is below `STOPPED`, rad/s.
     """
     if terms.linear:
         _stop_if_stopped(series)
@@ -137,7 +137,7 @@ def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
 def _expand(
     series: Tables, constants: Tables, inverses: Tables, terms: Terms, total: int, paired: int
 ) -> None:
-    """Compute orders 1 to `total` of a series, up to order `paired` in double-double."""
+    """Compute orders 1 to `total` of a Taylor series, those up to `paired` in double-double."""
     start_from_state(series, constants, terms)
     extend(series, constants, inverses, terms, 0, paired)
     extend(series[0], constants[0], inverses[0], terms, paired, total)
@@ -208,8 +208,9 @@ def march(
 
     Returns
     -------
-    Why the march ended, `DONE`, `PAUSED`, `STUCK` or `LIFTED`, and the index of the first sample
-    that is not written. If it is `LIFTED`, `clock` has the time at which the body leaves its table
+    Why the march ended, and the index of the first sample that is not written. The reason is
+    `DONE`, `PAUSED` (the limit of steps is reached), `STUCK` (the step is too small for the clock,
+    or numbers overflow) or `LIFTED`: the body leaves its table at the time that `clock` then has
     """
     total = series[0].shape[0] - 1
     state, low = np.empty(STATE), np.empty(STATE)

@@ -153,9 +153,9 @@ def _engines(
 ) -> Sequence[Engine]:
     """Return the engines that a value of '--engine' names: several for 'all' or a family, else one.
 
-    'all' means all engines that can load the body of any of the scenes. A family, such as 'node',
-    means those of these engines that belong to it. Case matters only in 'MODULE:CLASS',
-    'child:COMMAND' and 'ENGINE@VERSION'.
+    'all' means all engines that can load the body of any of the scenes. A family is a name that
+    several adapters share, such as 'node', and means those of these engines that have it. Case
+    matters only in 'MODULE:CLASS', 'child:COMMAND' and 'ENGINE@VERSION'.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ class GroupedCommands(TyperGroup):
                     formatter.write_dl(rows)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command by its name, changed so that its help shows no Python types."""
+        """Return a command by its name, None if there is none; its help shows no Python types."""
         command = super().get_command(ctx, cmd_name)
         for one in command.params if command else ():
             if one.param_type_name == "argument":
@@ -52,7 +52,7 @@ class GroupedCommands(TyperGroup):
         return command
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find a command by its name, in upper or lower case."""
+        """Return a command, its name, and its arguments; the name in `args` may be in any case."""
         return super().resolve_command(ctx, [args[0].lower(), *args[1:]])
 
     def _summary(self, ctx: Any, name: str) -> str:

@@ -143,13 +143,14 @@ def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
 
 
 def _compose(whole: RigidBody, plan: Plan) -> None:
-    """Plan that the host of welded links states the mass of all, and the others are massless.
+    """Plan that one of several welded links states the mass of all, and the others are massless.
 
-    If one of the links cannot be corrected, they are not composed.
+    It is the link to which the others are welded. If one of them cannot be corrected, they are not
+    composed.
 
     Parameters
     ----------
-    whole : the host and the links welded to it
+    whole : the links, welded into one body
     plan : what is written for each link; changed in place
     """
     parts = [
@@ -186,7 +187,8 @@ def _alone(
 
     Returns
     -------
-    The link's entry in a `Plan`
+    The body, or None if the link is left as it is; and, in words, what is changed, or why nothing
+    is. The words are empty if the link has no fault
     """
     link, stated = inspected.link, inspected.link.stated
     if link.by_shapes:

@@ -296,6 +296,8 @@ def _judged(
 
     Parameters
     ----------
+    key : scene, engine and method of the change
+    kind, name, old, new : attributes of the `Change`
     worse : whether the change is for the worse
     timestep : s; None if the change is not at one timestep
     """

@@ -121,7 +121,7 @@ def layout(panels: Sequence[Panel], height: int) -> dict[str, Any]:
 
 
 def axis_suffix(k: int) -> str:
-    """Return the number that Plotly writes behind x or y for an axis; empty for the first."""
+    """Return what Plotly writes behind x or y for the k-th axis: k, but nothing for the first."""
     return "" if k == 1 else str(k)
 
 

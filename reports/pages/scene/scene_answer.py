@@ -159,7 +159,7 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
     """Return, in words, the cost of the best choice relative to its engine as shipped.
 
     The text is empty if one of the two was not timed, or if the run as shipped is missing or not
-    `ok`.
+    `ok`. `defaults` has the methods as shipped, each with its run.
     """
     for runs, row in defaults:
         usual = cost(row)
