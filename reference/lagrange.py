@@ -212,6 +212,8 @@ def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta,
 def _zero_beyond(to_u2: mpf, to_u3: mpf, swing: Nutation) -> mpf:
     """Return y of the argument K + iy at which cos β has a given value u between u2 and u3.
 
+    K is the quarter period of the elliptic functions.
+
     Parameters
     ----------
     to_u2, to_u3 : the distances u − u2 and u3 − u

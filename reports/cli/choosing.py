@@ -138,8 +138,8 @@ def choose(
 def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
     """Return the installed engines that can load the body of any of the scenes.
 
-    Engines that load users' model files are returned if a scene names such a file, the others if a
-    scene states its body. If there are no scenes, all but those that load model files are returned.
+    An engine that loads users' model files is returned if a scene names such a file; any other if a
+    scene gives the numbers of its body. If there are no scenes, all of the latter are returned.
     """
     return [
         engine

@@ -165,6 +165,6 @@ def angle(text: str) -> float:
 def _keep(
     context: typer.Context, parameter: typer.CallbackParam, bound: float | None
 ) -> float | None:
-    """Store the value of a bound's option where `error_bounds` finds it, and return the value."""
+    """Store the value of a bound's option for `error_bounds`, and return it; None if not given."""
     context.meta[f"{__name__}.{parameter.name}"] = bound
     return bound
