@@ -68,7 +68,7 @@ class HeavySymmetricTop:
 
     @cached_property
     def E_prime(self) -> mpf:
-        """The energy without that of the spin, p_γ²/2 I3, J: of nutation, precession and height."""
+        """The energy of nutation, precession and height, J: all but that of the spin, p_γ²/2 I3."""
         with mp.workdps(ROOT_DIGITS):
             return self.energy - self.p_gamma**2 / (2 * self.I3)
 
@@ -236,8 +236,8 @@ def steady_angle(top: HeavySymmetricTop) -> float:
 
     A top with the same angular momenta p_α and p_γ about the vertical and the axis would precess
     steadily at this angle. u = cos β solves
-    (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)²; the left side less the right has opposite signs at
-    the two turning points.
+    (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)², with κ = M g l; the left side less the right has
+    opposite signs at the two turning points.
     """
     with mp.workdps(ROOT_DIGITS):
         return float(mp.acos(_at_most_one(_bottom(top))))

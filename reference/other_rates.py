@@ -266,7 +266,7 @@ def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
     """Return the angular velocity, rad/s, body axes, that given rates of Euler angles amount to.
 
-    Equations that take the components of ω for such rates turn the attitude so. The result is nan
+    An engine that mistakes the components of ω for such rates turns its body so. The result is nan
     in gimbal lock.
 
     Parameters

@@ -75,8 +75,8 @@ def _add_inertia(
 ) -> None:
     """Add what a change δI of the inertia contributes to order n of δω' and order n + 1 of δω.
 
-    The orders are those of Taylor series, δω is the derivative of ω, and `tensor` is δI. Order n of
-    ω', and of δω' at constant inertia, must be known.
+    The orders are those of Taylor series, and δω is the derivative of ω. Order n of ω', and of δω'
+    at constant inertia, must be known. The parameters are those of `march_with_tangent`.
     """
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)

@@ -192,7 +192,8 @@ def _dot(series: Table, n: int, left: int, right: int) -> Number:
 def _press(series: Table, constants: Table, n: int) -> None:
     """Write the n-th Taylor coefficients of f = N/m, and of all series that f depends on.
 
-    N is the normal force of the plane that the body's tip slides on, and m the body's mass.
+    N is the normal force of the plane that the body's tip slides on, and m the body's mass;
+    `constants` are those of the equations of motion.
     """
     rate = cross_omega(series, UP, n)
     for i in range(3):
@@ -236,8 +237,9 @@ def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
 def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
     """Write Taylor coefficient n + 1 of ω of a body on a plane, given coefficient n of u.
 
-    u is ω' without the normal force. Nothing is written if `terms` has no such plane. `extend`
-    repeats these lines, because a call there costs a fifth of the time.
+    u is ω' without the normal force. Nothing is written if `terms` has no such plane. The
+    parameters are those of `extend`, which repeats these lines, because a call there costs a fifth
+    of the time.
     """
     if terms.world_vectors[ON_TABLE]:
         _press(series, constants, n)

@@ -138,7 +138,10 @@ def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
 def _expand(
     series: Tables, constants: Tables, inverses: Tables, terms: Terms, total: int, paired: int
 ) -> None:
-    """Compute orders 1 to `total` of a Taylor series, those up to `paired` in double-double."""
+    """Compute orders 1 to `total` of a Taylor series, those up to `paired` in double-double.
+
+    The other parameters are those of `march`.
+    """
     start_from_state(series, constants, terms)
     extend(series, constants, inverses, terms, 0, paired)
     extend(series[0], constants[0], inverses[0], terms, paired, total)

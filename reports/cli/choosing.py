@@ -139,7 +139,8 @@ def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
     """Return the installed engines that can load the body of any of the scenes.
 
     An engine that loads users' model files is returned if a scene names such a file; any other if a
-    scene gives the numbers of its body. If there are no scenes, all of the latter are returned.
+    scene gives the numbers of its body. If there are no scenes, all engines but those that load
+    model files are returned.
     """
     return [
         engine

@@ -109,7 +109,7 @@ def raise_when_stopped() -> None:
 
 
 def _imports(frame: FrameType | None) -> bool:
-    """Whether a module is being imported in a frame or one of its callers."""
+    """Whether a module is being imported in a stack frame or a caller's; False for None."""
     while frame is not None:
         if frame.f_code.co_filename == _IMPORTING:
             return True
@@ -151,7 +151,7 @@ def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
 
 
 def _leave(number: int, _: FrameType | None) -> None:
-    """End the program at once, with the exit code of a signal."""
+    """End the program at once, with the exit code of the signal `number`."""
     os._exit(_BY_SIGNAL + number)
 
 

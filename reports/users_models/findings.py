@@ -236,7 +236,7 @@ def configuration_of(engine: str, name: str) -> Configuration:
 
 
 def _is_massless(one: InspectedLink) -> bool:
-    """Whether the only fault of a link is that it moves without inertia, stated or from shapes."""
+    """Whether a link's only fault is to move without an inertia, stated or that of its shapes."""
     lacks = one.link.moves and not one.link.has_inertia and not one.link.by_shapes
     return lacks and all(problem.kind == "zero tensor" for problem in one.problems)
 

@@ -143,14 +143,13 @@ def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
 
 
 def _compose(whole: RigidBody, plan: Plan) -> None:
-    """Plan that one of several welded links states the mass of all, and the others are massless.
+    """Plan that the link to which others are welded states the mass of all, and these are massless.
 
-    It is the link to which the others are welded. If one of them cannot be corrected, they are not
-    composed.
+    If one of the links cannot be corrected, they are not composed.
 
     Parameters
     ----------
-    whole : the links, welded into one body
+    whole : the link with those that are welded to it
     plan : what is written for each link; changed in place
     """
     parts = [

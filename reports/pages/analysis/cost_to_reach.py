@@ -128,7 +128,7 @@ def reach(curve: Curve, level: float) -> Reach:
 def _first_within(curve: Curve, level: float) -> int | None:
     """Return the index, in `curve.stable`, of the coarsest run whose error is at most `level`.
 
-    The errors of all finer runs must be so, too, unless rounding explains why they are larger:
+    The errors of all finer runs must be at most `level`, too, unless rounding explains the excess:
     rounding adds more to finer runs. None is returned if there is no such run.
     """
     errors = [point.error for point in curve.stable]

@@ -130,7 +130,7 @@ def _finished(runs: MethodRuns) -> list[Row]:
 def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
     """Yield markers for the runs that diverged or failed; each method has its own height.
 
-    `abscissa` is the parameter of `_against`.
+    `abscissa` is as in `_against`.
     """
     for k, runs in enumerate(scene.methods):
         height = 1 - (k + 0.5) / len(scene.methods)
@@ -177,7 +177,7 @@ def _curves(
 ) -> Iterator[Trace]:
     """Yield a line through the errors of a method's runs, and rings at its stock timesteps.
 
-    Runs without errors, or for which `abscissa` is None (see `_against`), are left out.
+    Runs without errors, or for which `abscissa` (see `_against`) returns None, are left out.
     """
     rows = [row for row in _finished(runs) if abscissa(row) is not None]
     stock = [row for row in rows if row.stock]

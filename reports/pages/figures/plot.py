@@ -168,7 +168,7 @@ def start_dot(x: float, y: float, k: int) -> Trace:
 
 
 def heading(text: str, x: float, y: float) -> dict[str, Any]:
-    """Return Plotly's annotation for a panel's heading; x and y are fractions of the figure."""
+    """Return Plotly's annotation for a panel's heading, at x and y as fractions of the figure."""
     return {
         "text": f"<b>{text}</b>",
         "x": x,

@@ -97,8 +97,8 @@ def gains_shown_at_first(scene: SceneRuns) -> set[str]:
 def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
     """Return methods as shipped with their runs at stock timesteps, the smallest error first.
 
-    Each method comes with its run at the longest of its stock timesteps. Runs without errors come
-    last.
+    Each method comes with its run at its engine's stock timestep or at 1 ms, whichever is longer.
+    Runs without errors come last.
     """
     shipped = [runs for runs in scene.methods if runs.as_shipped]
     tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
