@@ -52,7 +52,7 @@ class GroupedCommands(TyperGroup):
         return command
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return a command, its name, and its arguments; the name in `args` may be in any case."""
+        """Return a command's name, the command, and its arguments, given the name in any case."""
         return super().resolve_command(ctx, [args[0].lower(), *args[1:]])
 
     def _summary(self, ctx: Any, name: str) -> str:
