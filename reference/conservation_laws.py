@@ -161,12 +161,12 @@ def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _L_norm(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return ‖L − τ t‖, the norm of the vector that `_L_world` returns, kg m²/s, (n,)."""
+    """Return ‖L − τ t‖, kg m²/s, (n,), with τ the torque that is fixed in the world."""
     return np.asarray(np.linalg.norm(_L_world(scene, motion), axis=1))
 
 
 def _L_vertical(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return the upward component of L − τ t, as in `_L_world`, kg m²/s, (n,)."""
+    """Return the upward component of L − τ t, kg m²/s, (n,); τ is the torque fixed in the world."""
     return np.asarray(_L_world(scene, motion) @ scene.up_world)
 
 

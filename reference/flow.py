@@ -70,7 +70,7 @@ def flow(scenario: Scenario, states: Trajectory, spans: FloatArray) -> Trajector
 def _posed(scenario: Scenario) -> tuple[Problem, FloatArray, Terms]:
     """Return a scene's problem, and the constants and terms of its equations of motion.
 
-    They are cached, because computing them takes as long as many flows.
+    They are cached, because computing them takes as long as many calls of `flow`.
     """
     problem = rotational_problem(scenario)
     terms = terms_of(problem)

@@ -68,7 +68,7 @@ class HeavySymmetricTop:
 
     @cached_property
     def E_prime(self) -> mpf:
-        """E − p_γ²/2 I3, J: the energy of nutation, precession and height."""
+        """The energy of nutation, precession and height, J: all but that of the spin, p_γ²/2 I3."""
         with mp.workdps(ROOT_DIGITS):
             return self.energy - self.p_gamma**2 / (2 * self.I3)
 
@@ -132,7 +132,8 @@ def effective_potential(top: HeavySymmetricTop, beta: FloatArray) -> FloatArray:
 
     (p_α − p_γ cos β)/sin β is summed as ½ (p_α − p_γ) cot β/2 + ½ (p_α + p_γ) tan β/2: no digits
     cancel in either term, and a term whose factor p_α ∓ p_γ is zero has no pole. Otherwise V_eff is
-    infinite at the pole, β = 0 or π.
+    infinite at the pole, β = 0 or π. p_α and p_γ are the angular momenta along the vertical and
+    along the axis.
     """
     beta = np.asarray(beta, dtype=float)
     with mp.workdps(DIGITS):
@@ -162,7 +163,7 @@ def nutation_period(top: HeavySymmetricTop) -> float:
     """Return the period of cos β, s: on a pivot 2 √(2 I1/κ) R_F(0, u3 − u2, u3 − u1).
 
     u1, u2, u3 are `top.roots`, κ is M g l, and R_F is Carlson's integral (DLMF 19.25.1). On a
-    separatrix the period is inf; for steady precession it is that of small nutations about it.
+    separatrix the period is inf; for steady precession it is that of a small nutation.
     """
     with mp.workdps(ROOT_DIGITS):
         u1, u2, u3 = top.roots
@@ -235,8 +236,8 @@ def steady_angle(top: HeavySymmetricTop) -> float:
 
     A top with the same angular momenta p_α and p_γ about the vertical and the axis would precess
     steadily at this angle. u = cos β solves
-    (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)²; the left side less the right has opposite signs at
-    the two turning points.
+    (p_α − p_γ u)(p_γ − p_α u) = κ I1 (1 − u²)², with κ = M g l; the left side less the right has
+    opposite signs at the two turning points.
     """
     with mp.workdps(ROOT_DIGITS):
         return float(mp.acos(_at_most_one(_bottom(top))))

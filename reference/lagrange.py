@@ -94,7 +94,7 @@ def _upright(up: Vector) -> Quaternion:
 
 
 def _attitude(problem: Problem, frames: Frames) -> CayleyKlein:
-    """Return the attitude of the top's frame in the upright frame at t = 0, of unit norm."""
+    """Return A and B, Cayley–Klein parameters of the top's frame in the upright one, at t = 0."""
     q = product(product(conjugate(frames.q_left), problem.q_world_axes), conjugate(frames.q_right))
     length = mp.sqrt(mp.fsum(c * c for c in q))
     w, x, y, z = (c / length for c in q)
@@ -211,6 +211,8 @@ def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta,
 
 def _zero_beyond(to_u2: mpf, to_u3: mpf, swing: Nutation) -> mpf:
     """Return y of the argument K + iy at which cos β has a given value u between u2 and u3.
+
+    K is the quarter period of the elliptic functions.
 
     Parameters
     ----------

@@ -234,7 +234,7 @@ def _turned_from(spring: Matrix, R: Matrix) -> Vector:
 def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
     """Return I ω', the sum of all torques and of −ω × (G ω + h), N m, body axes.
 
-    `e` has the numbers of the equations, and R is the attitude, body to world.
+    `e` has the numbers of the equations, among them G and h; R is the attitude, body to world.
     """
     kept = vector(e, KEPT)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), kept, 1.0)
@@ -266,7 +266,7 @@ def _torque(e: FloatArray, R: Matrix, omega: Vector) -> Vector:
 def _by_angles(e: FloatArray, R: Matrix, rates: Vector) -> Vector:
     """Return the angular velocity, rad/s, body axes, that given rates of Euler angles amount to.
 
-    Equations that take the components of ω for such rates turn the attitude so. The result is nan
+    An engine that mistakes the components of ω for such rates turns its body so. The result is nan
     in gimbal lock.
 
     Parameters
@@ -320,7 +320,8 @@ def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -
     """Return ω', rad/s², body axes, of an engine that integrates L and turns the tensor wrongly.
 
     The engine computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. Its L,
-    which only torques change, is therefore Rᵀ I R ω. `torque` is what `_torque` returns.
+    which only torques change, is therefore Rᵀ I R ω. `e` has the numbers of the equations, R is the
+    attitude, body to world, and `torque` is what `_torque` returns.
     """
     inverse = matrix(e, INVERSE)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), vector(e, KEPT), 1.0)

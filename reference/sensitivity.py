@@ -288,7 +288,7 @@ def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatA
 
 
 def _first_order(row: Tables, orders: Orders) -> Tables:
-    """Return a series of zeros, except that order 0 begins with `row`, as high and low parts."""
+    """Return a Taylor series, high and low parts: zeros, but `row` at the start of order 0."""
     series = np.zeros((2, orders.total + 1, WIDTH))
     series[:, :1, : row[0].shape[1]] = row
     return series[0], series[1]

@@ -222,8 +222,8 @@ def _apart_from_ode(scenario: Scenario, problem: Problem, by_form: Trajectory) -
     Only samples at which the ODE's solution is accurate count. `by_form` is the motion by the
     closed form. Beside a saddle the ODE's solution is inaccurate: its rounding error grows, and
     that of the closed form does not. If the two differ by more than rounding, the closed form is
-    compared with the series of `FINE_ORDERS` instead, up to the sample where the series of
-    `TRUTH_ORDERS` departs from that of `FINE_ORDERS`.
+    compared with a Taylor series of more terms instead (`FINE_ORDERS`), up to the sample where the
+    usual series (`TRUTH_ORDERS`) departs from this one.
     """
 
     def by_ode(orders: Orders) -> Trajectory:

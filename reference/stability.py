@@ -99,7 +99,8 @@ def tumbling_period(moments: Vector, omega: Vector) -> float | None:
 def _excess(moments: Vector, omega: Vector, of: mpf) -> mpf:
     """Return L² − 2 E I for the moment I = `of`, kg m², in kg² m⁴/s².
 
-    It is summed axis by axis, so that the axis of this moment drops out exactly.
+    L is the angular momentum, and E the kinetic energy. The result is summed axis by axis, so that
+    the axis of this moment drops out exactly.
 
     Parameters
     ----------

@@ -61,7 +61,7 @@ LOWER = 4
 
 @kernel
 def _move(series: Dual, tensor: Table, n: int) -> None:
-    """Write order n of the series of δI ω; `tensor` is δI, the derivative of the inertia tensor."""
+    """Write the n-th Taylor coefficient of δI ω; `tensor` is δI, the derivative of the inertia."""
     for i in range(3):
         moved = zero(series.value)
         for j in range(3):
@@ -75,7 +75,8 @@ def _add_inertia(
 ) -> None:
     """Add what a change δI of the inertia contributes to order n of δω' and order n + 1 of δω.
 
-    δω is the derivative of ω. Order n of ω', and of δω' at constant inertia, must be known.
+    The orders are those of Taylor series, and δω is the derivative of ω. Order n of ω', and of δω'
+    at constant inertia, must be known. The parameters are those of `march_with_tangent`.
     """
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)

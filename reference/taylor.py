@@ -191,9 +191,9 @@ def terms_of(problem: Problem, effects: Iterable[str] | None = None) -> Terms:
 
 
 def constants_of(problem: Problem) -> Tables:
-    """Return the constants that `taylor_coefficients` reads, as high and low parts, rounded once.
+    """Return the constants of the equations of motion, as high and low parts, rounded once.
 
-    They are (ROWS, 3) each; the rows are named in that module.
+    They are (ROWS, 3) each; the rows are named in `taylor_coefficients`.
     """
     return tables(_exact_constants(problem))
 

@@ -89,13 +89,13 @@ class Terms(NamedTuple):
 
 @kernel
 def _vector(series: Table, n: int, column: int) -> Vector:
-    """Return order n of the vector in the three columns from `column` on."""
+    """Return the n-th Taylor coefficient of the vector in the three columns from `column` on."""
     return load(series, n, column), load(series, n, column + 1), load(series, n, column + 2)
 
 
 @kernel
 def _omega_products(series: Table, n: int) -> Vector:
-    """Return order n of ω₂ω₃, ω₃ω₁, ω₁ω₂."""
+    """Return the n-th Taylor coefficients of ω₂ω₃, ω₃ω₁, ω₁ω₂."""
     a = b = c = zero(series)
     for k in range(n + 1):
         w1, w2, w3 = _vector(series, k, OMEGA)
@@ -108,7 +108,7 @@ def _omega_products(series: Table, n: int) -> Vector:
 
 @kernel
 def _q_times_omega(series: Table, n: int) -> tuple[Number, Number, Number, Number]:
-    """Return order n of q ⊗ (0, ω)."""
+    """Return the n-th Taylor coefficients of the quaternion product q ⊗ (0, ω)."""
     r = a = b = c = zero(series)
     for k in range(n + 1):
         w1, w2, w3 = _vector(series, k, OMEGA)
@@ -124,7 +124,7 @@ def _q_times_omega(series: Table, n: int) -> tuple[Number, Number, Number, Numbe
 
 @kernel
 def cross_omega(series: Table, column: int, n: int) -> Vector:
-    """Return order n of v × ω, with v in the three columns from `column` on."""
+    """Return the n-th Taylor coefficient of v × ω; v is in the three columns from `column` on."""
     a = b = c = zero(series)
     for k in range(n + 1):
         w1, w2, w3 = _vector(series, k, OMEGA)
@@ -139,9 +139,10 @@ def cross_omega(series: Table, column: int, n: int) -> Vector:
 def _acceleration(
     series: Table, constants: Table, terms: Terms, n: int, i: int, product: Number
 ) -> Number:
-    """Return order n of component i of ω', without the force of a table.
+    """Return the n-th Taylor coefficient of component i of ω', without the force of a table.
 
-    `product` is order n of the product of the other two components of ω.
+    `product` is that of the product of the other two components of ω; `constants` and `terms` are
+    those of the equations of motion.
     """
     total = multiply(load(constants, EULER, i), product)
     if terms.world_vectors[0]:
@@ -175,7 +176,10 @@ def _turn_world_vector(series: Table, inverses: Table, n: int, column: int) -> N
 
 @kernel
 def _dot(series: Table, n: int, left: int, right: int) -> Number:
-    """Return order n of u · v, with u and v in the three columns from `left` and `right` on."""
+    """Return the n-th Taylor coefficient of u · v.
+
+    u and v are in the three columns from `left` on and from `right` on.
+    """
     total = zero(series)
     for k in range(n + 1):
         u1, u2, u3 = _vector(series, k, left)
@@ -186,9 +190,10 @@ def _dot(series: Table, n: int, left: int, right: int) -> Number:
 
 @kernel
 def _press(series: Table, constants: Table, n: int) -> None:
-    """Write order n of f = N/m, and of all series that f depends on.
+    """Write the n-th Taylor coefficients of f = N/m, and of all series that f depends on.
 
-    N is the normal force of the plane that the body's tip slides on, and m the body's mass.
+    N is the normal force of the plane that the body's tip slides on, and m the body's mass;
+    `constants` are those of the equations of motion.
     """
     rate = cross_omega(series, UP, n)
     for i in range(3):
@@ -217,7 +222,7 @@ def _press(series: Table, constants: Table, n: int) -> None:
 
 @kernel
 def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
-    """Return order n of component i of ω' of a body on a plane, u + f e.
+    """Return the n-th Taylor coefficient of component i of ω' of a body on a plane, u + f e.
 
     u is ω' without the normal force, f this force divided by the mass, and f e what it adds.
     """
@@ -230,10 +235,11 @@ def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
 
 @kernel
 def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
-    """Write order n + 1 of ω of a body on a plane, given order n of ω' without the normal force.
+    """Write Taylor coefficient n + 1 of ω of a body on a plane, given coefficient n of u.
 
-    Nothing is written if `terms` has no such plane. `extend` repeats these lines, because a call
-    there costs a fifth of the time.
+    u is ω' without the normal force. Nothing is written if `terms` has no such plane. The
+    parameters are those of `extend`, which repeats these lines, because a call there costs a fifth
+    of the time.
     """
     if terms.world_vectors[ON_TABLE]:
         _press(series, constants, n)
@@ -246,9 +252,10 @@ def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: i
 def extend(
     series: Table, constants: Table, inverses: Table, terms: Terms, first: int, last: int
 ) -> None:
-    """Compute orders first + 1 to last of a series from orders 0 to first.
+    """Compute orders first + 1 to last of a Taylor series from orders 0 to first.
 
-    `inverses` is the table of `taylor.inverses_to`: 1/n and 1/(2n) in column n.
+    `constants` and `terms` are those of the equations of motion. `inverses` is the table of
+    `taylor.inverses_to`: 1/n and 1/(2n) in column n.
     """
     for n in range(first, last):
         products = _omega_products(series, n)

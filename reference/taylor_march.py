@@ -94,6 +94,7 @@ def evaluate(
 
     Parameters
     ----------
+    series : Taylor coefficients of the state, high and low parts
     total, paired : number of orders, and how many of them are in double-double
     t : s, high and low part
     state, low : high and low parts of the state, which are written, (STATE,)
@@ -122,9 +123,9 @@ def _stop_if_stopped(series: Table) -> None:
 
 @kernel
 def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
-    """Write the vectors that are fixed in the world into order 0 of a series.
+    """Write the vectors that are fixed in the world into order 0 of a Taylor series.
 
-    Order 0 has the state already; under drag, its ω is set to 0 if it is below `STOPPED`.
+    Order 0 has the state already; under drag, its ω is set to 0 if it is below `STOPPED`, rad/s.
     """
     if terms.linear:
         _stop_if_stopped(series)
@@ -137,7 +138,10 @@ def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
 def _expand(
     series: Tables, constants: Tables, inverses: Tables, terms: Terms, total: int, paired: int
 ) -> None:
-    """Compute orders 1 to `total` of a series, up to order `paired` in double-double."""
+    """Compute orders 1 to `total` of a Taylor series, those up to `paired` in double-double.
+
+    The other parameters are those of `march`.
+    """
     start_from_state(series, constants, terms)
     extend(series, constants, inverses, terms, 0, paired)
     extend(series[0], constants[0], inverses[0], terms, paired, total)
@@ -147,7 +151,8 @@ def _expand(
 def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> bool:
     """Whether the table pushes up and the com is above it, at a time t, s, from a step's start.
 
-    `series` has the orders 0 to `total` − 1 of the step, high parts alone.
+    `series` has the orders 0 to `total` − 1 of the step, and `constants` are the constants of the
+    equations of motion; of both, the high parts alone are given.
     """
     force, along = 0.0, 0.0
     for n in range(total - 1, -1, -1):
@@ -163,7 +168,8 @@ def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> b
 def _lifts_off(series: FloatArray, constants: FloatArray, total: int, h: float) -> float:
     """Return the time, from the start of a step of h seconds, at which a body leaves its table.
 
-    It is inf if the body does not leave the table in the step. `total` is the order of the series.
+    It is inf if the body does not leave the table in the step. `series`, `constants` and `total`
+    are those of `_rests`.
     """
     before = 0.0
     for k in range(LOOKS + 1):

@@ -26,8 +26,8 @@ def for_pairs(in_double_double: Callable[..., Any]) -> Callable[[Any], Any]:
     """Return a decorator for a function on doubles, for which compiled code may run another one.
 
     Compiled code calls the decorated function by name. What is run depends on the first argument
-    of the call, a number or a table: for double-doubles (pairs) it is `in_double_double`, for duals
-    the function in `FOR_DUALS`, and for doubles the decorated function itself.
+    of the call, a number or a table: for double-doubles (pairs) it is `in_double_double`, for dual
+    numbers the function in `FOR_DUALS`, and for doubles the decorated function itself.
 
     Parameters
     ----------

@@ -30,6 +30,8 @@ A, B, W, OMEGA3, THETA4, ROWS = 0, 1, 2, 3, 4, 5
 class ThetaTables(NamedTuple):
     """The constants of a closed form for the kernel; the formulas are in `theta_quotients`.
 
+    A and B are the Cayley–Klein parameters, and W = ω2 + iω1.
+
     Attributes
     ----------
     hyperbolic : whether harmonics are sinh and cosh
@@ -175,6 +177,7 @@ def evaluate(
 
     Parameters
     ----------
+    tables : constants of the motion's closed form
     times : s, (n,)
     q_world_axes : attitudes, w x y z, which are written, (n, 4)
     omega_axes : ω along the principal axes, rad/s, which is written, (n, 3)

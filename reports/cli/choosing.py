@@ -138,8 +138,9 @@ def choose(
 def _applying(scenarios: Sequence[Scenario]) -> list[Engine]:
     """Return the installed engines that can load the body of any of the scenes.
 
-    Engines that load users' model files are returned if a scene names such a file, the others if a
-    scene states its body. If there are no scenes, all but those that load model files are returned.
+    An engine that loads users' model files is returned if a scene names such a file; any other if a
+    scene gives the numbers of its body. If there are no scenes, all engines but those that load
+    model files are returned.
     """
     return [
         engine
@@ -153,9 +154,9 @@ def _engines(
 ) -> Sequence[Engine]:
     """Return the engines that a value of '--engine' names: several for 'all' or a family, else one.
 
-    'all' means all engines that can load the body of any of the scenes. A family, such as 'node',
-    means those of these engines that belong to it. Case matters only in 'MODULE:CLASS',
-    'child:COMMAND' and 'ENGINE@VERSION'.
+    'all' means all engines that can load the body of any of the scenes. A family is a name that
+    several adapters share, such as 'node', and means those of these engines that have it. Case
+    matters only in 'MODULE:CLASS', 'child:COMMAND' and 'ENGINE@VERSION'.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ class GroupedCommands(TyperGroup):
                     formatter.write_dl(rows)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command by its name, changed so that its help shows no Python types."""
+        """Return a command by its name, None if there is none; its help shows no Python types."""
         command = super().get_command(ctx, cmd_name)
         for one in command.params if command else ():
             if one.param_type_name == "argument":
@@ -52,7 +52,7 @@ class GroupedCommands(TyperGroup):
         return command
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find a command by its name, in upper or lower case."""
+        """Return a command's name, the command, and its arguments, given the name in any case."""
         return super().resolve_command(ctx, [args[0].lower(), *args[1:]])
 
     def _summary(self, ctx: Any, name: str) -> str:
@@ -165,6 +165,6 @@ def angle(text: str) -> float:
 def _keep(
     context: typer.Context, parameter: typer.CallbackParam, bound: float | None
 ) -> float | None:
-    """Store the value of a bound's option where `error_bounds` finds it, and return the value."""
+    """Store the value of a bound's option for `error_bounds`, and return it; None if not given."""
     context.meta[f"{__name__}.{parameter.name}"] = bound
     return bound

@@ -100,8 +100,8 @@ class SceneFile(pytest.File):
     def _not_tested(self) -> Iterator[pytest.Item]:
         """Yield an item that is skipped for each engine that should be installed but is missing.
 
-        Engines that the settings or the scene's expectations name should be installed; without any,
-        those that the package requires.
+        Engines that the settings or the scene's expectations name should be installed; if these
+        name none, the engines that the package requires should be.
         """
         needed = [line for line in requires("spincheck") or [] if "extra ==" not in line]
         for absent in missing():
@@ -216,7 +216,7 @@ class EngineItem(SceneItem):
         return ""
 
     def _remedies(self) -> Iterator[str]:
-        """Yield commands that find a timestep within the bounds of the method's expectations."""
+        """Yield commands that find a timestep at which errors are within the expected bounds."""
         own = (self.engine.name, self.method.name)
         for expect in self.parent.scenario.expect:
             if expect.bounds() and (expect.engine, expect.method) == own:

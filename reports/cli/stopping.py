@@ -51,9 +51,9 @@ class Stopped(BaseException):
 
 @contextmanager
 def saying(besides: str) -> Iterator[None]:
-    """Add a sentence to the message that is printed if the program is stopped inside the block.
+    """Add `besides` to the message that is printed if the program is stopped inside the block.
 
-    If blocks are nested, only the sentence of the outermost one is printed.
+    If blocks are nested, only the text of the outermost one is printed.
     """
     _besides.append(besides)
     try:
@@ -65,7 +65,7 @@ def saying(besides: str) -> Iterator[None]:
 
 
 def say_last_words(number: int) -> None:
-    """Print on stderr which signal stopped the program, and the sentence given to `saying`.
+    """Print on stderr that the signal `number` stopped the program, and the text from `saying`.
 
     The message is printed once, even if several threads call this function.
     """
@@ -109,7 +109,7 @@ def raise_when_stopped() -> None:
 
 
 def _imports(frame: FrameType | None) -> bool:
-    """Whether a module is being imported in a frame or one of its callers."""
+    """Whether a module is being imported in a stack frame or a caller's; False for None."""
     while frame is not None:
         if frame.f_code.co_filename == _IMPORTING:
             return True
@@ -151,7 +151,7 @@ def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
 
 
 def _leave(number: int, _: FrameType | None) -> None:
-    """End the program at once, with the exit code of a signal."""
+    """End the program at once, with the exit code of the signal `number`."""
     os._exit(_BY_SIGNAL + number)
 
 

@@ -100,7 +100,10 @@ def _write_scenes(
     written: ReportFolder,
     scenes: tuple[SceneRuns, ...],
 ) -> None:
-    """Write the pages of all scenes, as HTML and Markdown, and their model files."""
+    """Write the pages of all scenes, as HTML and Markdown, and their model files.
+
+    `environment` is Jinja's, with the templates of the pages.
+    """
     page = environment.get_template("scene.html")
     for k, scene in enumerate(scenes):
         content, packed = _scene(scene), PageData()
@@ -148,7 +151,10 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
 
 
 def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any]:
-    """Return what the first page shows about hard scenes: scenes, a text and a table."""
+    """Return what the first page shows about hard scenes: scenes, a text and a table.
+
+    `environment` is Jinja's, with the template of the text.
+    """
     scenes = overview.hard_scenes(gathered)
     are = "scene is" if len(scenes) == 1 else "scenes are"
     count = f"{len(scenes)} {are}"

@@ -56,7 +56,7 @@ def _factor(numbers: Sequence[float]) -> str:
 
 
 def _turn(numbers: Sequence[float]) -> str:
-    """Return a rotation vector as an angle and an axis, in words."""
+    """Return a rotation vector, rad, as an angle in degrees and an axis, in words."""
     angle = math.hypot(*numbers)
     axis = vector([value / (angle or 1.0) for value in numbers])
     return f"{math.degrees(angle):.4g}° about {axis}"
@@ -67,7 +67,7 @@ def _slowed(numbers: Sequence[float]) -> str:
 
     Parameters
     ----------
-    numbers : one number, the rate
+    numbers : one number, the rate; its unit follows in the sentence, outside of these words
     """
     return f"{'slowed' if numbers[0] > 0 else 'sped up'} by {abs(numbers[0]):.3g}"
 

@@ -137,7 +137,7 @@ def _is_there(path: Path, purpose: str) -> bool:
 
 @contextmanager
 def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
-    """Open an existing result file for reading only."""
+    """Open an existing result file for reading; `schema` is the SQL that creates its tables."""
     # Checked before SQLite opens the file, which creates an empty log.
     log_missing = not has_log(path)
     with _connected(path, "mode=ro") as connection:
@@ -149,7 +149,10 @@ def _to_read(path: Path, schema: str) -> Iterator[OpenFile]:
 
 @contextmanager
 def _to_write(path: Path, schema: str) -> Iterator[OpenFile]:
-    """Open a result file for writing, as its only writer; create it if there is none."""
+    """Open a result file for writing, as its only writer; create it if there is none.
+
+    `schema` is the SQL that creates its tables.
+    """
     with only_writer(path) as check, _connected(path, "mode=rw") as connection:
         if connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
             _check(connection, schema)
@@ -188,6 +191,11 @@ def _connected(path: Path, options: str) -> Iterator[sqlite3.Connection]:
     Parameters
     ----------
     options : options of the connection, in the form of a URI's query, such as "mode=ro"
+
+    Raises
+    ------
+    sqlite3.DatabaseError
+        If the file cannot be opened, or is no SQLite file.
     """
     address = f"{path.as_uri()}?{options}"
     with closing(sqlite3.connect(address, uri=True, check_same_thread=False)) as connection:
@@ -248,7 +256,7 @@ def _session(path: Path, options: str) -> str | None:
 
 
 def _begin(connection: sqlite3.Connection, schema: str) -> None:
-    """Create the tables in one transaction, so that the file stays empty if that is interrupted."""
+    """Create the tables of an SQL schema in one transaction; the file stays empty if it fails."""
     # This has an effect only while the file is empty.
     connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
     connection.executescript(

@@ -93,7 +93,7 @@ class Store:
         return [table.read(one) for one in found if self._counts(table, one)]
 
     def _counts(self, table: Table[Any], columns: sqlite3.Row) -> bool:
-        """Whether a record counts: the digest stored with it is the one that `_digest` returns."""
+        """Whether a record, given by its columns, counts: its digest is that of `_digest`."""
         return not table.rests_on or columns[DIGEST] == self._digest(table, columns)
 
     def _digest(self, table: Table[Any], columns: Mapping[str, Any] | sqlite3.Row) -> str:

@@ -84,10 +84,9 @@ def grouped(entries: Iterable[tuple[str, str, str]]) -> list[Finding]:
 
 
 def wrong_readings(inspection: Inspection) -> list[tuple[LinkReading, str]]:
-    """Return each link that an engine holds otherwise than the file states, with the link's name.
+    """Return each `LinkReading` whose body differs from that in the file, with the link's name.
 
-    A link is given as one configuration of an engine holds it. The order is that of the file's
-    links.
+    The order is that of the file's links.
     """
     return [
         (reading, link.link.name)
@@ -113,9 +112,9 @@ def sections(inspection: Inspection) -> list[tuple[str, list[Finding]]]:
 def differences(inspection: Inspection) -> list[Finding]:
     """Return findings on what engines make of the model file.
 
-    The first ones say why engines refuse it. The others are on links that an engine holds otherwise
-    than the file states, the worst first (`badness`); links with the same engine and statement
-    share one finding.
+    The first ones say why engines refuse it. The others are on links for which an engine's body
+    differs from that in the file, the worst first (`badness`); links with the same engine and
+    statement share one finding.
     """
     wrong = sorted(wrong_readings(inspection), key=lambda one: badness(one[0]), reverse=True)
     return [
@@ -237,7 +236,7 @@ def configuration_of(engine: str, name: str) -> Configuration:
 
 
 def _is_massless(one: InspectedLink) -> bool:
-    """Whether the only fault of a link is that it moves without inertia, stated or from shapes."""
+    """Whether a link's only fault is to move without an inertia, stated or that of its shapes."""
     lacks = one.link.moves and not one.link.has_inertia and not one.link.by_shapes
     return lacks and all(problem.kind == "zero tensor" for problem in one.problems)
 

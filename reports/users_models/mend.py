@@ -143,13 +143,13 @@ def _plan(inspection: Inspection, wishes: Wishes) -> Plan:
 
 
 def _compose(whole: RigidBody, plan: Plan) -> None:
-    """Plan that the host of welded links states the mass of all, and the others are massless.
+    """Plan that the link to which others are welded states the mass of all, and these are massless.
 
     If one of the links cannot be corrected, they are not composed.
 
     Parameters
     ----------
-    whole : the host and the links welded to it
+    whole : the link with those that are welded to it
     plan : what is written for each link; changed in place
     """
     parts = [
@@ -186,7 +186,8 @@ def _alone(
 
     Returns
     -------
-    The link's entry in a `Plan`
+    The body, or None if the link is left as it is; and, in words, what is changed, or why nothing
+    is. The words are empty if the link has no fault
     """
     link, stated = inspected.link, inspected.link.stated
     if link.by_shapes:

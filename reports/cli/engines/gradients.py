@@ -99,7 +99,7 @@ def exit_code(rows: Sequence[GradientRow]) -> int:
 
 
 def median_and_quartiles(costs: Sequence[float]) -> str:
-    """Return the median and quartiles of costs, such as "12 (10 to 15)"; empty without costs."""
+    """Return the median and quartiles of costs, in steps, as "12 (10 to 15)"; empty without any."""
     if not costs:
         return ""
     low, middle, high = (

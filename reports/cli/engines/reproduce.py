@@ -216,6 +216,7 @@ def _tail(frame: Frame, solution: Solution, steps: NDArray[np.int64]) -> str:
 
     Parameters
     ----------
+    frame : the templates of the program's language
     solution : the exact motion at the n times of the samples; `MOST_SAMPLES` at most are used
     steps : number of steps up to each of these times, (n,)
     """

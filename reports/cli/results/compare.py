@@ -93,8 +93,8 @@ def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
 def print_changes(changes: Sequence[Change]) -> None:
     """Print the changes as a table, and below it how many there are.
 
-    The errors of a method on a scene that grew share one line, those that shrank another. Such a
-    line shows the largest change.
+    For each method on each scene, all errors that grew share one line, and all that shrank another.
+    Such a line shows the largest change.
     """
     if not changes:
         print("nothing changed")
@@ -107,8 +107,8 @@ def print_changes(changes: Sequence[Change]) -> None:
 def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
     """Return the changes in groups, each of which is printed as one line.
 
-    All errors of a method on a scene that grew are one group, all that shrank another. Any other
-    change is a group of its own.
+    For each method on each scene, all errors that grew are one group, and all that shrank another.
+    Any other change is a group of its own.
     """
     groups: dict[object, list[Change]] = {}
     for number, change in enumerate(changes):

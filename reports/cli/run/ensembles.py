@@ -165,6 +165,7 @@ def choose_for_ensemble(
 
     Parameters
     ----------
+    engine_names, methods : names as typed; if empty, all engines but optional ones, and all methods
     timesteps : one timestep at most, s; if empty, the stock timestep of each engine
     time_limit : CPU time that a run may take, s; the default if None
     again : whether members are run whose results are stored already

@@ -340,9 +340,9 @@ def _with_run(results: Results, run: Row) -> Results:
 
 
 def _as_typed_again(recommendation: Recommendation, engine_names: Sequence[str]) -> Recommendation:
-    """Return a recommendation whose command names a user's own engine as the user typed it.
+    """Return a recommendation whose command names a user's own engine as `engine_names` does.
 
-    The user has given it as 'MODULE:CLASS' or 'child:COMMAND'; its name alone would not be found.
+    The user has typed it as 'MODULE:CLASS' or 'child:COMMAND'; its name alone would not be found.
     """
     words = shlex.split(recommendation.command)
     if not words:

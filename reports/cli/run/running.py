@@ -252,12 +252,14 @@ def unproven_in_words(results: Results) -> str:
 
 
 def exit_code(results: Results, *, strict: bool = False) -> int:
-    """Return the exit code: 3 if all runs failed, 0 if all verdicts agree, 1 if one does not.
+    """Return the exit code: 3 if all runs failed, else 1 if a verdict is bad, else 0.
+
+    A verdict is bad if it makes a study fail, or has an unmet expectation (`Verdict.agrees`).
 
     Parameters
     ----------
-    strict : whether the verdicts 'unresolved' and 'diverges' count as disagreement, unless they are
-        on a method as shipped or are expected failures
+    strict : whether the verdicts 'unresolved' and 'diverges' are bad, too, unless they are on a
+        method as shipped or are expected failures
     """
     if results.rows and all(row.outcome == "failed" for row in results.rows):
         return NOT_RUN

@@ -113,7 +113,7 @@ def _at_stock(report: ReportData) -> Iterator[str]:
 
 
 def _best(report: ReportData) -> Iterator[str]:
-    """Yield lines with the best choice for each scene, its error and its cost.
+    """Yield lines with the best choice of method and timestep for each scene, its error and cost.
 
     If there are best choices for more than `SCENES_PRINTED` scenes, the lines name the methods that
     are the best choice most often, instead.

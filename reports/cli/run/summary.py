@@ -176,7 +176,10 @@ def verdict_records(results: Results) -> list[dict[str, Any]]:
 
 
 def _floor_record(finest: float | None, bias: float | None) -> dict[str, Any]:
-    """Return a finest useful timestep, s, and a bias of rounding, ulp a step, as JSON entries."""
+    """Return a finest useful timestep, s, and a bias of rounding, ulp a step, as JSON entries.
+
+    Either is None if no run shows it.
+    """
     return {"finest_useful_timestep": finest, "rounding_bias_ulp_a_step": bias}
 
 

@@ -42,7 +42,7 @@ BEGINS_WITH = ("gravity", "pivot")
 
 
 def _effects() -> str:
-    """Return an example of each effect's TOML table, as a comment unless it is in `BEGINS_WITH`."""
+    """Return an example of each effect's TOML table, as comments unless `BEGINS_WITH` has it."""
     texts = {e.table: f"{e.heading}\n{e.model.EXAMPLE}" for e in EFFECTS.values()}
     return "".join(
         line if name in BEGINS_WITH else f"# {line}"

@@ -175,7 +175,7 @@ class BestChoice:
 
 
 def best_choice(scene: SceneRuns) -> BestChoice | None:
-    """Return the best choice on a scene among all engines; None if there is none."""
+    """Return the best run on a scene, the first of `best_choices`; None if there is none."""
     return next(iter(best_choices(scene)), None)
 
 

@@ -64,7 +64,7 @@ class Change:
 def changes(old: Results, new: Results) -> list[Change]:
     """Return all changes between two result files.
 
-    Changes of the environment, of scenes and of methods come first, then those of their results.
+    Changes of the environment, of scenes and of methods come first, then changes of results.
     Runs and costs are compared only on scenes whose motion is the same in both files.
     """
     edited = {name for name in old.scenes.keys() & new.scenes.keys() if _edited(name, old, new)}
@@ -296,6 +296,8 @@ def _judged(
 
     Parameters
     ----------
+    key : scene, engine and method of the change
+    kind, name, old, new : attributes of the `Change`
     worse : whether the change is for the worse
     timestep : s; None if the change is not at one timestep
     """

@@ -97,7 +97,7 @@ class Reach:
 def reach(curve: Curve, level: float) -> Reach:
     """Return the timestep and cost with which a method stays within an error, or why it cannot.
 
-    If the coarsest stable run is within the error already, its own timestep is returned. Otherwise
+    If the coarsest run in `curve.stable` is within the error, its timestep is returned. Otherwise
     the timestep is interpolated between two runs, or extrapolated below the finest run. For
     interpolation, the error is assumed to grow from that of the finer run as Δtᵖ, where p is the
     steeper of the slopes on either side of that run. The timestep is then rather too short than
@@ -126,9 +126,9 @@ def reach(curve: Curve, level: float) -> Reach:
 
 
 def _first_within(curve: Curve, level: float) -> int | None:
-    """Return the index, in `curve.stable`, of the coarsest run that is within an error.
+    """Return the index, in `curve.stable`, of the coarsest run whose error is at most `level`.
 
-    All finer runs must be within the error, too, unless rounding explains why they exceed it:
+    The errors of all finer runs must be at most `level`, too, unless rounding explains the excess:
     rounding adds more to finer runs. None is returned if there is no such run.
     """
     errors = [point.error for point in curve.stable]
@@ -149,6 +149,7 @@ def _below_finest(curve: Curve, level: float, order: float) -> float:
 
     Parameters
     ----------
+    level : the error, in the unit of the curve's errors
     order : order with which errors are assumed to shrink
     """
     finest = above_round_off(curve)[-1]
@@ -156,16 +157,16 @@ def _below_finest(curve: Curve, level: float, order: float) -> float:
 
 
 def above_round_off(curve: Curve) -> list[CurvePoint]:
-    """Return the stable runs whose errors are too large for rounding alone, coarse to fine."""
+    """Return the runs in `curve.stable` whose errors rounding alone does not explain."""
     return [point for point in curve.stable if point.error > curve.floor(point.timestep)]
 
 
 def _below_the_ladder(curve: Curve, level: float) -> Reach:
     """Return the timestep and cost for an error below those of all runs, by the observed order.
 
-    They are None if the method does not converge or was not timed, if no run is stable, if errors
-    are relative to an exact value of zero or show no order, or if rounding keeps the error out of
-    reach.
+    They are None if the method does not converge or was not timed, if `curve.stable` is empty, if
+    errors are relative to an exact value of zero or show no order, or if rounding keeps the error
+    `level` out of reach.
     """
     if curve.verdict != "converges":
         return Reach(level, curve.verdict or "no verdict", curve.reason)
@@ -200,7 +201,7 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
 
 
 def _priced(curve: Curve, level: float, how: How, reason: str, timestep: float) -> Reach:
-    """Return a timestep, s, and its cost as a `Reach`.
+    """Return a timestep, s, and its cost as a `Reach` with the word `how`.
 
     If steps were not timed, the word is "not timed", and timestep and cost are None.
     """

@@ -26,10 +26,10 @@ def observed_order(
     least squares to `FITTED_RUNGS` usable errors at successive timesteps. If only two errors are
     usable, the slope between them is returned.
 
-    There may be several such groups of errors. A group is straight if its two slopes differ by at
-    most `ORDER_SLACK`. The finest straight group whose errors shrink is used; if none shrinks, the
-    finest straight group; if none is straight, the straightest group, since rounding bends the
-    finest ones.
+    There may be several such groups of three errors. A group is straight if the slopes between its
+    neighbours differ by at most `ORDER_SLACK`. The finest straight group whose errors shrink is
+    used; if none shrinks, the finest straight group; if none is straight, the straightest group,
+    since rounding bends the finest ones.
 
     Parameters
     ----------

@@ -49,7 +49,9 @@ _FILLED: "WeakKeyDictionary[ReportData, Tables]" = WeakKeyDictionary()
 def ask(gathered: ReportData, question: str, *values: Any) -> list[Any]:
     """Return the rows that an SQL query selects from the results of a report.
 
-    The tables are `run`, `tried`, `unasked` and `altered`, and the views `own` and `usual`.
+    The tables are `run`; `tried`, methods on scenes; `unasked`, effects that acted though a scene
+    does not call for them; and `altered`, defaults of engines that alter the equations of motion.
+    The view `own` has the engines' stock timesteps, and `usual` the runs at these.
 
     Parameters
     ----------
@@ -98,7 +100,10 @@ def _run(row: Row) -> tuple[Any, ...]:
 
 
 def _tried(scene: SceneRuns, runs: MethodRuns, place: int) -> tuple[Any, ...]:
-    """Return a method on a scene as a line of the table ``tried``."""
+    """Return a method on a scene as a line of the table ``tried``.
+
+    `place` is the method's index in `ReportData.pairs`.
+    """
     verdict = runs.verdict
     survived = survival(runs.rows, scene.fastest_rate if scene.solved else None)
     return (

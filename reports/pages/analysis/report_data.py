@@ -83,15 +83,16 @@ class MethodRuns(OfMethod):
 
     @cached_property
     def stock(self) -> tuple[Row, ...]:
-        """The runs at stock timesteps, coarse to fine, including rows of runs that were not made.
+        """The runs at the engine's stock timestep and at 1 ms, coarse to fine.
 
-        The first is at the engine's own stock timestep, unless that is shorter than 1 ms.
+        Rows of runs that were not made are included. The first is at the engine's own stock
+        timestep, unless that is shorter than 1 ms.
         """
         return tuple(row for row in self.rows if row.stock)
 
     @property
     def drawn(self) -> tuple[Row, ...]:
-        """The runs whose motions are drawn: those at stock timesteps; without any, `finest`."""
+        """The runs whose motions are drawn: the sampled ones of `stock`; without any, `finest`."""
         at_stock = tuple(row for row in self.sampled if row.stock)
         return at_stock or tuple(row for row in [self.finest] if row)
 

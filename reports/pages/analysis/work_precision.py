@@ -110,7 +110,7 @@ class Curve(OfMethod):
 
     @cached_property
     def least(self) -> CurvePoint | None:
-        """The stable run with the least error, if errors at shorter timesteps grow, else None.
+        """The run in `stable` with the least error, if errors at shorter timesteps grow, else None.
 
         As a single larger error may be chance, there must be at least two runs at shorter
         timesteps, stock ones included, and the finest must have an error larger by the factor

@@ -40,7 +40,7 @@ def gain_figures(scene: SceneRuns) -> list[Figure]:
 
 
 def _curves(scene: SceneRuns, quantity: Quantity) -> Iterator[tuple[MethodRuns, GainCurve]]:
-    """Yield each method with its gains of a quantity, if verdicts predict any of these gains."""
+    """Yield each method with its gains of a quantity, if longer timesteps predict any of them."""
     for runs in scene.methods:
         steps = runs.evidence.steps if runs.evidence else None
         for curve in steps.curves if steps else ():

@@ -128,7 +128,10 @@ def _finished(runs: MethodRuns) -> list[Row]:
 
 
 def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
-    """Yield markers for the runs that diverged or failed; each method has its own height."""
+    """Yield markers for the runs that diverged or failed; each method has its own height.
+
+    `abscissa` is as in `_against`.
+    """
     for k, runs in enumerate(scene.methods):
         height = 1 - (k + 0.5) / len(scene.methods)
         for outcome, symbol in ENDED.items():
@@ -172,9 +175,9 @@ def _front(scene: SceneRuns, signal: Signal) -> Trace:
 def _curves(
     runs: MethodRuns, scene: SceneRuns, signal: Signal, abscissa: Abscissa
 ) -> Iterator[Trace]:
-    """Yield a line through a method's runs with errors, and rings around those at stock timesteps.
+    """Yield a line through the errors of a method's runs, and rings at its stock timesteps.
 
-    Runs without an abscissa are left out.
+    Runs without errors, or for which `abscissa` (see `_against`) returns None, are left out.
     """
     rows = [row for row in _finished(runs) if abscissa(row) is not None]
     stock = [row for row in rows if row.stock]
@@ -199,7 +202,7 @@ def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
 
 
 def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArray:
-    """Return the errors of runs as they are drawn, in the figure's unit, (n,).
+    """Return the errors of runs in a signal as they are drawn, in the figure's unit, (n,).
 
     Errors below the reference's uncertainty are raised to it, and infinite ones are NaN. Runs
     without errors are left out.
@@ -262,7 +265,7 @@ def _guides(scene: SceneRuns, signal: Signal) -> Iterator[Trace]:
 
 
 def _readable(scene: SceneRuns, row: Row, signal: Signal) -> bool:
-    """Whether a run's error is in the asymptotic range and well above the uncertainty."""
+    """Whether a run's error in a signal is in the asymptotic range and far above uncertainty."""
     assert row.errors is not None, "only a run with errors is drawn"
     uncertainty = scene.uncertainty(row)[signal.name]
     return ABOVE_UNCERTAINTY * uncertainty < row.errors[signal.name] < ASYMPTOTIC

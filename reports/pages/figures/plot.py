@@ -121,7 +121,7 @@ def layout(panels: Sequence[Panel], height: int) -> dict[str, Any]:
 
 
 def axis_suffix(k: int) -> str:
-    """Return the number that Plotly writes behind x or y for an axis; empty for the first."""
+    """Return what Plotly writes behind x or y for the k-th axis: k, but nothing for the first."""
     return "" if k == 1 else str(k)
 
 
@@ -168,7 +168,7 @@ def start_dot(x: float, y: float, k: int) -> Trace:
 
 
 def heading(text: str, x: float, y: float) -> dict[str, Any]:
-    """Return Plotly's annotation for a panel's heading; x and y are fractions of the figure."""
+    """Return Plotly's annotation for a panel's heading, at x and y as fractions of the figure."""
     return {
         "text": f"<b>{text}</b>",
         "x": x,

@@ -20,7 +20,8 @@ from .overview import GROUPS, group_of
 def stock_table(gathered: ReportData) -> Table:
     """Return a table of attitude errors at stock timesteps, degrees, with a row for each scene.
 
-    Each method has a column, those as shipped first. A last column has the best choice.
+    Each method has a column, those as shipped first. A last column has the scene's best choice of
+    method and timestep.
     """
     steps, shipped = own_timesteps(gathered), as_shipped(gathered)
     pairs = [*shipped, *(pair for pair in gathered.pairs if pair not in shipped)]

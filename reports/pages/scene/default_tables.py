@@ -62,7 +62,7 @@ def _sentence(measured: DefaultEffects) -> str:
 
 
 def _size(errors: Errors | None) -> float:
-    """Return the error of ω; inf if the run did not finish."""
+    """Return the error of ω; inf if `errors` is None, as for a run that did not finish."""
     return math.inf if errors is None else errors.omega
 
 

@@ -97,8 +97,8 @@ def gains_shown_at_first(scene: SceneRuns) -> set[str]:
 def closest_defaults(scene: SceneRuns) -> list[tuple[MethodRuns, Row]]:
     """Return methods as shipped with their runs at stock timesteps, the smallest error first.
 
-    Each method comes with its run at the longest of its stock timesteps. Runs without errors come
-    last.
+    Each method comes with its run at its engine's stock timestep or at 1 ms, whichever is longer.
+    Runs without errors come last.
     """
     shipped = [runs for runs in scene.methods if runs.as_shipped]
     tried = [(runs, row) for runs in shipped for row in runs.stock[:1]]
@@ -159,7 +159,7 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
     """Return, in words, the cost of the best choice relative to its engine as shipped.
 
     The text is empty if one of the two was not timed, or if the run as shipped is missing or not
-    `ok`.
+    `ok`. `defaults` has the methods as shipped, each with its run.
     """
     for runs, row in defaults:
         usual = cost(row)
