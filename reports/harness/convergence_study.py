@@ -184,7 +184,8 @@ class ConvergenceStudy:
         """Compare a run with the exact motion, and return its row.
 
         Defects are added to the row if the run is at a stock timestep, or at one that a user or an
-        expectation names. The motion of a run above the ladder is left out if the ladder has rows.
+        expectation names. The motion of a run with a timestep longer than all rungs is left out of
+        the row if the ladder has rows.
 
         Parameters
         ----------
@@ -244,7 +245,7 @@ class ConvergenceStudy:
 
     @property
     def _stock_left(self) -> list[StockRun]:
-        """The runs at stock timesteps without a row so far; none if no run can succeed."""
+        """The runs at stock timesteps without a row so far; none if `_is_hopeless`."""
         return (
             []
             if self._is_hopeless

@@ -24,7 +24,7 @@ class Prepared:
     solution : the exact motion at the ladder's sample times
     singles : for each timestep that a user or an expectation names, the rung with its samples, and
         the exact motion at these
-    stock : the runs at stock timesteps, including those that are refused
+    stock : the runs at stock timesteps, and the reasons why some of them are not made
     places : exact states from which single steps are tested, and the timesteps of these steps; None
         if single steps are not tested
     """
@@ -36,7 +36,7 @@ class Prepared:
     places: Places | None = None
 
     def for_verdicts(self) -> "Prepared":
-        """Return a copy without the timesteps longer than the ladder's, which only reports need."""
+        """Return a copy without timesteps above the ladder's, as only reports need these."""
         return replace(self, ladder=replace(self.ladder, above=()))
 
 

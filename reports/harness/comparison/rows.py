@@ -123,10 +123,10 @@ def compared(
 
 
 def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | CallFailed:
-    """Return a run, with a fault of single steps added to its reason.
+    """Return a run whose reason also states the fault that the method's single steps show.
 
-    Its cause becomes `law` unless it has another. A failed call is returned unchanged, and so is a
-    run if single steps show no fault.
+    The run's cause becomes `law` unless it has another. A failed call is returned unchanged, and so
+    is a run if single steps show no fault.
     """
     if isinstance(run, CallFailed) or not (steps and steps.fault):
         return run

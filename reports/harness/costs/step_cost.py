@@ -116,8 +116,8 @@ def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCo
 
     Parameters
     ----------
-    pairs : engines and their methods. If a method is among them with a varied engine (`varied`) and
-        with the unvaried one, the cost of the varied one states the ratio of the two
+    pairs : engines and their methods. If a method is among them both with an engine and with a
+        variant of it (`varied`), the cost with the variant states the ratio of the two costs
 
     Raises
     ------

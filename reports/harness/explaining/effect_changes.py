@@ -281,7 +281,8 @@ def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
 def usual_rate(scenario: Scenario, e: OtherEquations) -> float:
     """Return a typical rate of the motion, rad/s, from which scales of parameters are computed.
 
-    It is `e.rate`; if that rate is 0, ‖ω‖ at the scene's start; if both are 0, 1.
+    It is the fastest rate besides ‖ω‖ at which the state changes, `e.rate`; if that is 0, ‖ω‖ at
+    the scene's start; if both are 0, 1.
 
     Parameters
     ----------

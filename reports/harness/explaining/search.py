@@ -152,10 +152,9 @@ class Search:
         return fit.rank == best.rank and is_more and is_far_less
 
     def _has_few_parameters(self, fit: Fit) -> bool:
-        """Return whether a fit has few enough parameters.
+        """Return whether a fit has no more parameters than an explanation may have.
 
-        It may have up to `most` if its residuals exceed noise, else up to `MOST_OF_ALL` if that is
-        more.
+        It may have up to `most`. If its residuals do not exceed noise, it may have `MOST_OF_ALL`.
         """
         if self.most is None or fit.rank <= self.most:
             return True

@@ -34,7 +34,8 @@ class Judged:
     known_to : standard error of that limit, relative to the fastest rate
     off_own : relative distance from finite differences of the engine's own steps; None if the
         derivative is not that of a step, is not finite, or is itself these differences
-    is_own : whether that distance is no more than rounding and ε explain; None if it was not tested
+    is_own : whether that distance is no more than rounding and the truncation error of finite
+        differences explain; None if it was not tested
     """
 
     verdict: VerdictWord
@@ -156,6 +157,8 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
 
 def _gains(exact: Exact, off: FloatArray) -> FloatArray:
     """Return gains, 1/s: differences of Jacobians in `exact.units`, divided by the spans of time.
+
+    Their shape is that of `off`.
 
     Parameters
     ----------

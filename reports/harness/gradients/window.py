@@ -39,7 +39,8 @@ class Gradient:
     Attributes
     ----------
     t : time, s
-    error : relative error of the gradient of the first loss, the turn to the target
+    error : relative error of the gradient of the first loss, half the square of the turn from the
+        attitude to a target attitude
     cosine : cosine of the angle between that gradient and the exact one
     energy_error : relative error of the gradient of the kinetic energy
     conditioning : largest factor by which the exact motion up to this time multiplies a change of

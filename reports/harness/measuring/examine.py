@@ -246,8 +246,9 @@ class _Examination:
     def _as_if_biased(self, look: Look) -> Look:
         """Return the same steps with the noise of biased rounding, alike in all repeats and states.
 
-        The mean of repeats then contains the whole bias. Newton's rounding was measured to add up
-        to 3 ulp to the angular momentum in every step, and Rapier's 2 to 3, whatever the timestep.
+        The mean of repeats then contains the whole bias. In every step, whatever the timestep,
+        rounding was measured to add up to 3 ulp to the angular momentum in the engine Newton, and 2
+        to 3 ulp in Rapier.
         """
         biased = ULPS * self.sessions.engine.ulp * roundings(look.equations, look.steps)
         return replace(look, noise=np.hypot(look.noise, biased), is_pooled=False)

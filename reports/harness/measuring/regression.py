@@ -35,7 +35,7 @@ class Measured:
     x : timesteps, relative to the longest, (J,)
     gains, noise : gains, (J, 3, K), and the standard deviation of their noise, (J,)
     units : the unit of each state, by which its gains and noise were divided, (K,)
-    amplitudes : the amplitudes of the grid, (A,)
+    amplitudes : the amplitudes of the series' coefficients that are tried, (A,)
     turns : the angle by which each step turns the body, or the angle's rank, (J, K)
     radius : the least radius of convergence that is considered, relative to the longest timestep;
         about two thirds of all timesteps are below it
@@ -334,10 +334,11 @@ class Regression:
 
 
 def _inverse_radii(measured: Measured) -> FloatArray:
-    """Return the inverse radii of convergence of the grid, (R,).
+    """Return the inverse radii of convergence that are tried, (R,).
 
-    The radii reach from four times the longest timestep down to `Measured.radius`. A radius with
-    fewer than `LEAST` timesteps below it, which are too few to show a series, is left out.
+    They are in units of 1 / longest timestep. The radii reach from four times the longest timestep
+    down to `Measured.radius`. A radius with fewer than `LEAST` timesteps below it, which are too few
+    to show a series, is left out.
     """
     count = np.arange(np.log(4 / measured.radius) / np.log(RATIO))
     radii = RATIO ** (count + 0.5) / 4

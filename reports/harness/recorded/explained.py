@@ -265,7 +265,7 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
 
 
 def _of_solvers(case: Case) -> FloatArray:
-    """Return the largest scatter of attitude, rad, and ω, rad/s, (2,), by constraint solvers."""
+    """Return the largest scatter of attitude, rad, and ω, rad/s, that solvers cause, (2,)."""
     return SOLVERS * np.array([1.0, norms(case.motion.omega_body).max()])
 
 

@@ -88,7 +88,7 @@ class Table:
 
 
 def setting(name: str, value: str, line: int | None) -> dict[str, str]:
-    """Return a dictionary with one setting and its value, or an empty one if there is no such name.
+    """Return a dictionary with one setting and its value; empty if no setting has the name.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ class Log(Data):
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
     is_stated : whether the noise was stated by the user; else it was estimated
     has_omega : whether ω was recorded; if not, only attitudes are fitted
-    dropped : number of samples after the last one that `while_followed` has left out
+    dropped : number of samples that `while_followed` has left out at the end of the motion
     is_exact : whether hypotheses are followed with the integrator `EXACT` in any case
     """
 
@@ -71,7 +71,7 @@ class Log(Data):
     def integrator(self) -> Integrator:
         """The integrator that computes the motions of hypotheses: `APPROXIMATE` or `EXACT`.
 
-        It is `APPROXIMATE` if the error of that is less than the noise of the mean of all samples.
+        It is `APPROXIMATE` if that has an error below the noise of the mean of all samples.
         """
         if self.is_exact:
             return EXACT

@@ -83,7 +83,8 @@ def _fit(
 ) -> tuple[FloatArray, FloatArray]:
     """Fit the one parameter of a change to each interval by itself.
 
-    The iteration is given up as soon as the residuals are too large, by `PROMISING`.
+    The iteration ends early if the mean square of the residuals exceeds `PROMISING` times that
+    without the change.
 
     Parameters
     ----------

@@ -128,9 +128,9 @@ def _added_acceleration(
 ) -> float:
     """Return the largest acceleration of the com, m/s², that a method or rounding may add.
 
-    On a table engines step the point of the body that touches it, which is pulled round a com that
-    may rest. A method of order 1 takes this pull at a wrong time, by one step at most. Forces
-    between rotors and body cancel, but for their rounding.
+    On a table engines step the body's tip, which accelerates as the body turns even if the com
+    rests. A method of order 1 takes this acceleration at a time that is wrong by one step at most.
+    Forces between rotors and body cancel, but for their rounding.
 
     Parameters
     ----------
