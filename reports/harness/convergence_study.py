@@ -153,8 +153,8 @@ class ConvergenceStudy:
         """Yield the planned runs one by one; the caller sends the row of each into the generator.
 
         The order is: single timesteps; the ladder, coarse to fine, until no finer rung is needed;
-        timesteps above the ladder, fine to coarse, until a run does not survive; stock timesteps.
-        Without a ladder only the single timesteps are run.
+        timesteps longer than all rungs, fine to coarse, until a run does not survive; stock
+        timesteps. Without a ladder only the single timesteps are run.
         """
         for single in self.singles:
             row = yield single
@@ -245,7 +245,10 @@ class ConvergenceStudy:
 
     @property
     def _stock_left(self) -> list[StockRun]:
-        """The runs at stock timesteps without a row so far; none if `_is_hopeless`."""
+        """The runs at stock timesteps without a row so far.
+
+        There are none if the method cannot simulate the scene, or failed on the whole ladder.
+        """
         return (
             []
             if self._is_hopeless

@@ -196,7 +196,8 @@ class _Timed:
     def attempt(self, action: Callable[[], None]) -> None:
         """Call an action, unless an earlier one has raised `EngineError`.
 
-        If it raises one, all times are discarded; if the machine is to blame, the error is raised.
+        If this one raises `EngineError`, all times are discarded, and no further action is called;
+        but if the machine is to blame, the error is raised again.
         """
         if self.gave_up:
             return

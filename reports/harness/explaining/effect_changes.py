@@ -90,7 +90,7 @@ def _scaled_torques(e: OtherEquations) -> Iterator[Change]:
 
 
 def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
-    """Yield changes in which angular momentum decays, with the scene's drag or in place of it.
+    """Yield changes in which angular momentum decays, beside the scene's drag or in place of it.
 
     Parameters
     ----------

@@ -173,8 +173,8 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
     """Yield mistakes in words, each with the exact Jacobians turned to world axes.
 
-    Those rows and columns are turned that belong to attitude, to ω, or to both.
-    For changes δθ of the attitude and δω of ω, in body axes, ω along world axes changes by
+    Those rows and columns are turned that belong to attitude, to ω, or to both. For changes δθ of
+    the attitude and δω of ω, in body axes, ω along world axes changes by
     R (δω − ω × δθ), with R from body to world. An engine that only turns the derivative to world
     axes has R δω instead.
     """

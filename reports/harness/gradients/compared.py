@@ -337,7 +337,8 @@ class MethodStudy:
 
         Parameters
         ----------
-        name : the engine's name for the derivative; if empty, differences of runs are used
+        name : the engine's name for the derivative; if empty, differences of the engine's runs from
+            changed starts are used
         is_taped : whether the derivative of many steps is computed at once. If so, it is also
             compared with the product of the Jacobians of the steps, and the verdict says whether
             they differ

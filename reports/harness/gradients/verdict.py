@@ -48,7 +48,7 @@ class Judged:
 
 
 def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
-    """Return the standard deviation of a derivative's gain by column, in `units`, 1/s, (J, 6).
+    """Return the standard deviation of gains in each column of Jacobians, in `units`, 1/s, (J, 6).
 
     Parameters
     ----------
@@ -137,11 +137,12 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
 def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries]:
     """Return the series that are fitted to the gains in attitude and to those in ω.
 
-    Each column of a Jacobian from each of K states is a vector of three components, as a gain from
-    one state is.
+    In each column of the Jacobian from each of K states, the three components of attitude, or of ω,
+    are fitted like the gain from one state.
 
     Parameters
     ----------
+    exact : the exact Jacobians
     off : differences of Jacobians from the exact ones, over J spans of time, (J, K, 6, 6)
     noise : standard deviation of each column's gain, 1/s, (J, 6)
     """

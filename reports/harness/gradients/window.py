@@ -238,7 +238,8 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
 def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
     """Return the time, s, from which on all gradients are no better than a gradient of zero.
 
-    It is None if the last gradient is better. Gradients are those of the turn to the target.
+    It is None if the last gradient is better. Only the gradients of the first loss count, half the
+    square of the turn to the target.
     """
     wrong = [one.t for one in gradients]
     for one in reversed(gradients):

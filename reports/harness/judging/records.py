@@ -49,7 +49,8 @@ class Records:
         """The run that decides the verdict if its outcome is not ok; None if there is no such run.
 
         It is the finest of the ladder, or else the last at a single timestep. If a ladder was asked
-        for and is empty, it is the first run above the ladder that no finer timestep could save.
+        for and is empty, it is the first run with a longer timestep that is hopeless
+        (`is_hopeless`).
         """
         if self.rows or not self.has_ladder:
             return [*self.single_rows, *self.rows][-1]

@@ -395,7 +395,7 @@ def gives_in(look: Look, settled: Look) -> bool:
 
 
 def _is_clear_fault(look: Look) -> bool:
-    """Return whether the gains of the shortest steps are mostly a limit that is well above noise.
+    """Return whether the gains of the shortest steps are mainly their limit, well above noise.
 
     That is a fault beyond doubt, and no further steps are needed.
     """

@@ -163,7 +163,7 @@ class Regression:
         return Regression(measured, order, radii, noise, basis, has_constant)
 
     def before(self, j: int) -> "Regression":
-        """Return the regression of the gains at the j longest timesteps, with the same pairs."""
+        """Return the regression, with the same grid, of the gains at the j longest timesteps."""
         of_first = self.measured.part(0, j)
         return replace(self, measured=of_first, noise=self.noise[:, :j], basis=self.basis[:, :j])
 
@@ -337,8 +337,8 @@ def _inverse_radii(measured: Measured) -> FloatArray:
     """Return the inverse radii of convergence that are tried, (R,).
 
     They are in units of 1 / longest timestep. The radii reach from four times the longest timestep
-    down to `Measured.radius`. A radius with fewer than `LEAST` timesteps below it, which are too few
-    to show a series, is left out.
+    down to `Measured.radius`. A radius with fewer than `LEAST` timesteps below it, which are too
+    few to show a series, is left out.
     """
     count = np.arange(np.log(4 / measured.radius) / np.log(RATIO))
     radii = RATIO ** (count + 0.5) / 4

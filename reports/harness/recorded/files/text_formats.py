@@ -163,7 +163,7 @@ def _lines(file: IO[str]) -> Iterator[tuple[int, str]]:
 def read_csv(path: Path) -> Recording:
     """Read a motion from a table in text, whose first line names the columns.
 
-    Lines above it that begin with # may state settings, such as ``# timestep = 0.001``. Cells are
+    Lines before the table that begin with # may state settings, ``# timestep = 0.001``. Cells are
     separated by commas, semicolons, tabs or spaces.
 
     Raises

@@ -71,7 +71,7 @@ class KnownIntegrators:
         """The known integrators that may have computed the motion.
 
         An integrator that keeps the length of I ω is among them only if the torques keep it, too.
-        Otherwise it would cancel drag, and so explain a motion in which drag is missing.
+        Otherwise it would undo the drag of a hypothesis, and so explain a motion without drag.
         """
         equations, states = self.intervals.base, self.intervals.starts
         kept = np.tile(equations.kept, (len(states), 1))

@@ -142,9 +142,9 @@ class Log(Data):
         return follow_each(hypotheses, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
 
     def while_followed(self, exact: Trajectory) -> "Log":
-        """Return the log without the last samples, if a rounded start does not lead to them.
+        """Return the log without the last samples if rounding of the start hides what they show.
 
-        Near an unstable motion a difference of the start by rounding grows without bound. Once the
+        Near an unstable motion, a change of the start by rounding grows without bound. Once the
         scene's own equations, followed from the start, are off the exact motion by more than the
         fraction `LEFT` of the noise, no hypothesis can be compared with the samples: from there on
         they are left out. The first `FEWEST` are kept in any case.

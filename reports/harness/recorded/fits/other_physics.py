@@ -450,7 +450,7 @@ class Physics:
 
     @property
     def is_open(self) -> bool:
-        """Whether the motion is beyond a method's error, and nothing that was tried explains all.
+        """Whether the motion is beyond a method's error, and nothing explains all of it.
 
         Clamps of ω, known integrators, other methods and the changes in `found` are tried.
         """

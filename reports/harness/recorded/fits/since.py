@@ -99,6 +99,7 @@ def since_left_out(fit: Measured, motion: Trajectory) -> list[str]:
 
     Parameters
     ----------
+    fit : the fit to the samples before those that are left out
     motion : the whole recorded motion
     """
     kept = len(fit.given.t)

@@ -60,8 +60,8 @@ class BesideMethods(Data):
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """Return the residuals of H hypotheses, (H, S, 6).
 
-        Along `directions` they are in units of `intervals.scale` and `sizes` together, otherwise in
-        units of `intervals.scale` alone.
+        They are in units of their standard deviation: that of all other errors, `intervals.scale`,
+        to which the standard deviation of methods' errors is added along `directions`.
         """
         each = self.intervals.deviations(hypotheses)
         flat = each.reshape(len(hypotheses), -1)

@@ -246,9 +246,9 @@ def _still(numbers: Numbers) -> Shown | None:
 
 
 def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
-    """Return the finding that samples `a` to `b` are the same, with words on the later samples.
+    """Return the finding that samples `a` to `b` are the same.
 
-    The words say whether the states of these are late, as if the motion had paused.
+    It says whether the states of the samples after `b` are late, as if the motion had paused.
     """
     t, q = numbers.t, numbers.q / norms(numbers.q)[:, None]
     samples = "1 sample" if b == a + 1 else f"{b - a} samples"
