@@ -74,7 +74,7 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The errors that finite differences make, see `secant`, for each of `POWERS`.
+        """The errors that finite differences make, by `secant`, for each power of 10 in `POWERS`.
 
         The key is True for central differences, and False for forward differences.
         """
@@ -254,7 +254,8 @@ def _fitted(exact: Exact, limits: FloatArray, two_sided: bool) -> float:
 
     Parameters
     ----------
-    limits : difference of the engine's Jacobian from the exact one, as for `candidates`, (K, 6, 6)
+    limits : difference of the engine's Jacobian from the exact one, divided by the span of time, in
+        the limit of vanishing timesteps, (K, 6, 6)
     two_sided : True for central differences, False for forward differences
     """
 

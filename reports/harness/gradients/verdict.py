@@ -74,7 +74,7 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
     ----------
     exact : the exact Jacobians
     found : the Jacobians to be judged, from K states over J spans of time, (J, K, 6, 6)
-    noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
+    noise : standard deviation of the gains in each column of Jacobians, 1/s, (J, 6)
     """
     units = exact.units
     if not np.isfinite(found).all():
@@ -112,7 +112,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     exact : the exact Jacobians
     found : the Jacobians that the engine computes, from K states with J timesteps, (J, K, 6, 6)
     own : the Jacobians that finite differences of the engine's steps give
-    noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
+    noise : standard deviation of the gains in each column of Jacobians, 1/s, (J, 6)
     """
     units = exact.units
     wanted = units.of(own.jacobians)
@@ -173,7 +173,7 @@ def _tail(series: list[GainSeries]) -> float:
 
     Parameters
     ----------
-    series : the series of attitude and of ω, as `_series` returns them
+    series : two: of the gains in attitude, and of the gains in ω
     """
     return min(1.0, HALVES * min(one.tail for one in series))
 
@@ -183,7 +183,7 @@ def _joined(series: list[GainSeries]) -> FloatArray:
 
     Parameters
     ----------
-    series : the series of attitude and of ω, as `_series` returns them
+    series : two: of the gains in attitude, and of the gains in ω
     """
     rows = np.concatenate([one.limit for one in series], axis=1)
     return np.swapaxes(rows.reshape(-1, CHART, CHART), 1, 2)

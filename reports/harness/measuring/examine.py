@@ -111,7 +111,10 @@ def _examine_or_raise(
 ) -> StepEvidence | None:
     """Return the evidence from steps; None if the method does not support the scene or the states.
 
-    The parameters are those of `examine`.
+    Parameters
+    ----------
+    at : the exact states, and the timesteps of the steps that are taken from them
+    explains : whether changes of the equations of motion that explain a fault are looked for
 
     Raises
     ------

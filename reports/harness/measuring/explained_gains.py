@@ -64,7 +64,7 @@ class Gains(Data):
 
     @cached_property
     def exact(self) -> FloatArray:
-        """The rates of the four quantities by the scene's equations, (K, 4, 3): see `made`."""
+        """The rates of attitude, I ω, velocity and position by the scene's equations, (K, 4, 3)."""
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:

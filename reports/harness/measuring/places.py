@@ -52,7 +52,7 @@ class Places:
 
         Parameters
         ----------
-        size : standard deviation of the change, rad and relative; see `changed_at_random`
+        size : standard deviation of the change, in rad for the attitude, and relative for vectors
         repeats : R
         """
         chance = np.random.default_rng(repeats)

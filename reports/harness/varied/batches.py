@@ -125,7 +125,7 @@ def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchR
 
     Parameters
     ----------
-    row : the row to be completed, as in `batch_of`
+    row : the row to be completed; it states method, timestep, number of worlds and device
     """
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):

@@ -140,7 +140,10 @@ def _beside(
     ----------
     errors : the methods' errors by each of k elementary differentials with a coefficient of one,
         rad and rad/s, (k, S, 6)
-    data, changes, most, next_term : see `within_error`
+    data : the intervals of the motion
+    changes : the changes that are tried
+    most : the most parameters of a fit
+    next_term : size of the next term of a method's error, relative to the leading term
     size : assumed size of methods' errors, rad and rad/s, (2,). If far smaller errors fit beside
         some change, that smaller size is assumed instead
 

@@ -66,12 +66,12 @@ class Numbers:
 
     @cached_property
     def resolution_q(self) -> float:
-        """The resolution of the recorded quaternions (see `resolution`)."""
+        """The resolution with which the components of quaternions are printed (`resolution`)."""
         return resolution(self.q, (1.0,))
 
     @cached_property
     def resolution_omega(self) -> float:
-        """The resolution of the recorded ω, rad/s (see `resolution`); 0 if ω was not recorded."""
+        """The resolution with which ω is printed, rad/s (`resolution`); 0 if ω was not recorded."""
         return 0.0 if self.omega is None else resolution(self.omega, RATES.values())
 
     @cached_property

@@ -135,7 +135,7 @@ def _outliers(data: Intervals, deviations: FloatArray, k: int, last: int) -> Jum
 
     Parameters
     ----------
-    deviations : see `_places`
+    deviations : those of the ends of all intervals from the exact flow, rad and rad/s, (n, 6)
     k, last : the interval that ends in the first outlier, and the one that begins in the last one
     """
     first, count = data.t[k], last - k
@@ -155,7 +155,7 @@ def _stretch(data: Intervals, deviations: FloatArray, k: int, end: int) -> Jump:
 
     Parameters
     ----------
-    deviations : see `_places`
+    deviations : those of the ends of all intervals from the exact flow, rad and rad/s, (n, 6)
     k, end : the first and the last of these intervals
     """
     worst = deviations[k + int(np.argmax(norms(deviations[k : end + 1])))]
@@ -226,7 +226,7 @@ def _jump(data: Intervals, deviations: FloatArray, k: int) -> Jump:
 
     Parameters
     ----------
-    deviations : see `_places`
+    deviations : those of the ends of all intervals from the exact flow, rad and rad/s, (n, 6)
     """
     at = data.t[k]
     if not k:

@@ -226,7 +226,8 @@ def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, F
     """Yield sentences on possible mistakes of the velocity, each with the corrected velocity.
 
     The corrected velocity is that of the com, in m/s, along world axes, (n, 3). After it comes the
-    size of the unit of the recorded numbers, m/s, but at most 1: see `_coms`.
+    size of the unit of the recorded numbers, m/s, but at most 1. The error that remains is compared
+    in this unit.
     """
     R, v = matrices(motion.q_world_body_wxyz), motion.velocity_world
     swing_world = turned(R, np.cross(motion.omega_body, scenario.constraint.lever))
