@@ -137,7 +137,7 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
 def unmet_expectations(
     scenario: Scenario, expected: Expect, row: Row, exact: Trajectory
 ) -> list[str]:
-    """Return in words each part of an expectation that a run does not meet.
+    """Return in words each part of an expectation that a run does not meet; empty if it meets all.
 
     There is one sentence for each signal whose error exceeds its bound. If a run did not diverge as
     expected, or has no errors to compare, there is one sentence on its outcome.
@@ -249,7 +249,7 @@ def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -
 
 
 def _words(name: str, ratio: float, since: float) -> str:
-    """Return a complaint about a signal.
+    """Return a complaint that a run is no better than no motion in a signal.
 
     Parameters
     ----------

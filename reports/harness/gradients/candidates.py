@@ -58,12 +58,12 @@ class Exact:
 
     @cached_property
     def in_world_axes(self) -> list[tuple[str, FloatArray]]:
-        """The Jacobians with attitude, ω or both in world axes, each after the mistake in words."""
+        """Each mistake of world axes in words, with the Jacobians it gives, (J, K, 6, 6)."""
         return list(_in_world_axes(self))
 
     @cached_property
     def lacking(self) -> list[tuple[str, FloatArray]]:
-        """The Jacobians if a term is not differentiated, each after the mistake in words."""
+        """Each mistake of a missing term in words, with the Jacobians it gives, (J, K, 6, 6)."""
         return list(_lacking(self))
 
     @cached_property
@@ -74,7 +74,7 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The errors that finite differences make, by `secant`, for each power of 10 in `POWERS`.
+        """The errors that finite differences make, (K, 6, 6) for each power of 10 in `POWERS`.
 
         The key is True for central differences, and False for forward differences.
         """
@@ -171,7 +171,7 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield mistakes in words, each with the exact Jacobians turned to world axes.
+    """Yield mistakes in words, each with the exact Jacobians in world axes, (J, K, 6, 6).
 
     Those rows and columns are turned that belong to attitude, to ω, or to both. For changes δθ of
     the attitude and δω of ω, in body axes, ω along world axes changes by
@@ -233,7 +233,7 @@ def _to_world(
 
 
 def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield mistakes in words, each with the Jacobians that it gives.
+    """Yield mistakes in words, each with the Jacobians that it gives, (J, K, 6, 6).
 
     In each, the derivative of dx/dt by x lacks a part, with x the attitude and ω in the chart.
     """

@@ -110,7 +110,7 @@ class JudgedMotion:
         return self._beyond_since("attitude", DEGREE)
 
     def beyond(self, bounds: Mapping[str, float]) -> list[str]:
-        """Return a sentence for each bound that an error exceeds.
+        """Return a sentence for each bound that an error exceeds; empty if none is exceeded.
 
         Parameters
         ----------
