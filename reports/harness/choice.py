@@ -21,8 +21,8 @@ class Choice:
     timesteps : the timesteps of the runs, s; if empty, the ladder is run
     max_steps : a ladder ends before a run would take more steps than this
     timed : whether the cost of a step of each method is measured
-    hard_in_passing : whether hard scenes are not timed, and a run of their ladders takes at most
-        `QUICK_STEPS` steps, as in a quick study: few steps show which methods blow up
+    hard_in_passing : whether hard scenes are studied only briefly: they are not timed, and no run
+        of a ladder takes more than `QUICK_STEPS` steps, which show which methods blow up
     time_limit : CPU time that a run may take, s; if None, the default of the executor
     again : whether runs are made again although their results are stored
     """
@@ -37,7 +37,7 @@ class Choice:
     again: bool = False
 
     def max_steps_on(self, scenario: Scenario) -> int:
-        """Return the largest number of steps of a run in a scene's ladder."""
+        """Return the largest number of steps that a run of a scene's ladder may take."""
         in_passing = self.hard_in_passing and scenario.hard
         return min(self.max_steps, QUICK_STEPS) if in_passing else self.max_steps
 
@@ -57,7 +57,7 @@ class Choice:
     def methods_on(self, scenario: Scenario) -> dict[Key, EngineMethod]:
         """Return the pairs of engine and method to run on a scene, by the keys of their results.
 
-        Engines that do not apply to the scene are left out. If the user named methods, they are
+        Engines that cannot load the scene's body are left out. If the user named methods, they are
         included even where the engine does not offer them for the scene.
         """
         return {

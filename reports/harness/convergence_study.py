@@ -153,8 +153,8 @@ class ConvergenceStudy:
         """Yield the planned runs one by one; the caller sends the row of each into the generator.
 
         The order is: single timesteps; the ladder, coarse to fine, until no finer rung is needed;
-        timesteps above the ladder, fine to coarse, until a run does not survive; stock timesteps.
-        Without a ladder only the single timesteps are run.
+        timesteps longer than all rungs, fine to coarse, until a run does not survive; stock
+        timesteps. Without a ladder only the single timesteps are run.
         """
         for single in self.singles:
             row = yield single
@@ -184,7 +184,8 @@ class ConvergenceStudy:
         """Compare a run with the exact motion, and return its row.
 
         Defects are added to the row if the run is at a stock timestep, or at one that a user or an
-        expectation names. The motion of a run above the ladder is left out if the ladder has rows.
+        expectation names. The motion of a run with a timestep longer than all rungs is left out of
+        the row if the ladder has rows.
 
         Parameters
         ----------
@@ -244,7 +245,10 @@ class ConvergenceStudy:
 
     @property
     def _stock_left(self) -> list[StockRun]:
-        """The runs at stock timesteps without a row so far; none if no run can succeed."""
+        """The runs at stock timesteps without a row so far.
+
+        There are none if the method cannot simulate the scene, or failed on the whole ladder.
+        """
         return (
             []
             if self._is_hopeless

@@ -49,7 +49,7 @@ class Plan:
         return sum(len(scene.to_run) + scene.to_time for scene in self.scenes)
 
     def __str__(self) -> str:
-        """Return in words how many verdicts are stored, and how many outdated; else nothing."""
+        """Return in words how many verdicts are stored or outdated; an empty text if none are."""
         verdicts = self.there + sum(len(scene.to_run) for scene in self.scenes)
         counts = [f"{self.there} of {verdicts} verdicts are stored already"] if self.there else []
         if self.outdated:

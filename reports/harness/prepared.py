@@ -24,7 +24,7 @@ class Prepared:
     solution : the exact motion at the ladder's sample times
     singles : for each timestep that a user or an expectation names, the rung with its samples, and
         the exact motion at these
-    stock : the runs at stock timesteps, including those that are refused
+    stock : the runs at stock timesteps, and the reasons why some of them are not made
     places : exact states from which single steps are tested, and the timesteps of these steps; None
         if single steps are not tested
     """
@@ -36,7 +36,7 @@ class Prepared:
     places: Places | None = None
 
     def for_verdicts(self) -> "Prepared":
-        """Return a copy without the timesteps longer than the ladder's, which only reports need."""
+        """Return a copy without the timesteps longer than all rungs, as only reports need these."""
         return replace(self, ladder=replace(self.ladder, above=()))
 
 
@@ -62,9 +62,9 @@ class SceneReference:
             return self._solved
 
     def _solve(self, executor: Executor) -> Prepared | CallFailed:
-        """Call `prepare` by the executor, for all runs that are chosen; return what it returns.
+        """Return the exact motion at the samples of all chosen runs, or why it cannot be found.
 
-        If the call fails, the failure is returned.
+        The executor calls `prepare`, which solves it.
         """
         scenario, choice = self._scenario, self._choice
         timesteps = {*choice.timesteps, *(expected.timestep for expected in scenario.expect)}

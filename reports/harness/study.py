@@ -119,9 +119,9 @@ def _run_with_some_defaults(study: ConvergenceStudy, executor: Executor, store: 
     A default is something that the engine does to motions unless it is told not to, such as
     damping. The sets are: none of the defaults, each of them alone, and all but one, for each.
 
-    The runs are made at the coarsest stock timestep that is not refused, and only if the method is
+    The runs are made at the longest stock timestep that suits the scene, and only if the method is
     the engine's first one as shipped. Nothing is stored if the engine has no defaults, if it would
-    clamp the first step (`clamped_start`), or if the call fails.
+    limit the turn in the first step (`clamped_start`), or if the call fails.
     """
     scenario, engine, method = study.scenario, study.engine, study.method
     first = next((other for other in engine.methods if other.as_shipped), None)

@@ -89,8 +89,8 @@ class Defects:
 def defects(scenario: Scenario, motion: Trajectory, exact: Trajectory) -> Defects | None:
     """Return the defects of a run; None if they cannot be computed.
 
-    They cannot if the run has only one sample or turns by more than `FARTHEST_TURN`, or if the
-    exact motion from one of its samples cannot be found.
+    They cannot if the run has only one sample, if the body turns by more than `FARTHEST_TURN` in
+    the whole run, or if the exact motion from one of its samples cannot be found.
 
     Parameters
     ----------

@@ -123,10 +123,10 @@ def compared(
 
 
 def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | CallFailed:
-    """Return a run, with a fault of single steps added to its reason.
+    """Return a run whose reason also states the fault that the method's single steps show.
 
-    Its cause becomes `law` unless it has another. A failed call is returned unchanged, and so is a
-    run if single steps show no fault.
+    The run's cause becomes `law` unless it has another. A failed call is returned unchanged, and so
+    is a run if single steps show no fault.
     """
     if isinstance(run, CallFailed) or not (steps and steps.fault):
         return run
@@ -137,7 +137,7 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
 def unmet_expectations(
     scenario: Scenario, expected: Expect, row: Row, exact: Trajectory
 ) -> list[str]:
-    """Return in words each part of an expectation that a run does not meet.
+    """Return in words each part of an expectation that a run does not meet; empty if it meets all.
 
     There is one sentence for each signal whose error exceeds its bound. If a run did not diverge as
     expected, or has no errors to compare, there is one sentence on its outcome.
@@ -249,7 +249,7 @@ def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -
 
 
 def _words(name: str, ratio: float, since: float) -> str:
-    """Return a complaint about a signal.
+    """Return a complaint that a run is no better than no motion in a signal.
 
     Parameters
     ----------

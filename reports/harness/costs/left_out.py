@@ -30,8 +30,8 @@ def with_all_left_in(
 
     An engine's methods are grouped by the parts of a step that they leave out, as the scene does
     not call for them. Methods that leave out none are not timed again. Of each group the first
-    method is returned, and the first of the highest order, which reports recommend. Each comes with
-    a variant of its engine that leaves nothing out.
+    method is returned, and the first of the highest order of accuracy, as reports recommend that.
+    Each comes with a variant of its engine that leaves nothing out.
 
     Parameters
     ----------

@@ -116,8 +116,8 @@ def step_costs(scenario: Scenario, pairs: Sequence[EngineMethod]) -> list[StepCo
 
     Parameters
     ----------
-    pairs : engines and their methods. If a method is among them with a varied engine (`varied`) and
-        with the unvaried one, the cost of the varied one states the ratio of the two
+    pairs : engines and their methods. If a method is among them both with an engine and with a
+        variant of it (`varied`), the cost with the variant states the ratio of the two costs
 
     Raises
     ------
@@ -196,7 +196,8 @@ class _Timed:
     def attempt(self, action: Callable[[], None]) -> None:
         """Call an action, unless an earlier one has raised `EngineError`.
 
-        If it raises one, all times are discarded; if the machine is to blame, the error is raised.
+        If this one raises `EngineError`, all times are discarded, and no further action is called;
+        but if the machine is to blame, the error is raised again.
         """
         if self.gave_up:
             return

@@ -127,7 +127,7 @@ def cause_of(error: BaseException) -> "Cause":
 
 
 def _is_passing(error: BaseException) -> bool:
-    """Whether the machine, and not the engine, is to blame for an error, so that it may pass."""
+    """Whether the machine, not the engine, is to blame for an error, and a retry may succeed."""
     if getattr(error, "cause", "") == "environment":
         return True
     if isinstance(error, OSError):

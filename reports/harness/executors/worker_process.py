@@ -209,7 +209,7 @@ def _on_windows() -> tuple[str, dict[str, str]]:
 
 
 def _raw(stream: Any) -> IO[bytes]:
-    """Return a standard stream of the process, which is known to be a pipe."""
+    """Return a standard stream of the process, typed as the pipe that it is known to be."""
     assert stream is not None, "all three streams are pipes"
     pipe: IO[bytes] = stream
     return pipe

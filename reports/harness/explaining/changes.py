@@ -53,7 +53,7 @@ OTHER_COMPONENTS = [
 
 
 def changes(scenario: Scenario) -> Iterator[Change]:
-    """Yield all changes of a scene's equations of motion that are tried, specific ones first."""
+    """Yield the changes of a scene's equations that may explain a motion, specific ones first."""
     equations = equations_of(scenario)
     yield from _of_kinematics()
     yield from _of_gyroscopic_torque(scenario, equations)

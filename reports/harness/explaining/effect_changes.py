@@ -90,7 +90,7 @@ def _scaled_torques(e: OtherEquations) -> Iterator[Change]:
 
 
 def _of_decay(e: OtherEquations, rate: float) -> Iterator[Change]:
-    """Yield changes in which angular momentum decays, with the scene's drag or in place of it.
+    """Yield changes in which angular momentum decays, beside the scene's drag or in place of it.
 
     Parameters
     ----------
@@ -281,7 +281,8 @@ def usual_torque(scenario: Scenario, e: OtherEquations) -> float:
 def usual_rate(scenario: Scenario, e: OtherEquations) -> float:
     """Return a typical rate of the motion, rad/s, from which scales of parameters are computed.
 
-    It is `e.rate`; if that rate is 0, ‖ω‖ at the scene's start; if both are 0, 1.
+    It is the fastest rate besides ‖ω‖ at which the state changes, `e.rate`; if that is 0, ‖ω‖ at
+    the scene's start; if both are 0, 1.
 
     Parameters
     ----------

@@ -93,7 +93,7 @@ class Change:
         return self.kind, len(self.scales)
 
     def around(self, hypothesis: Hypothesis) -> Hypothesis:
-        """Return k + 1 hypotheses: with parameters of zero, then with a small step in each in turn.
+        """Return k + 1 changed hypotheses: all parameters zero, then one of them at a time small.
 
         Parameters
         ----------
@@ -103,7 +103,7 @@ class Change:
 
     @cached_property
     def _steps(self) -> FloatArray:
-        """Parameters of k + 1 hypotheses: all zero, then a small step in each in turn.
+        """Parameters of k + 1 hypotheses: all zero, then one of them at a time small.
 
         The shape is (k + 1, k).
         """

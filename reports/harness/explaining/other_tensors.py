@@ -25,9 +25,9 @@ Tensor = tuple[str, Sequence[float], FloatArray]
 def other_tensors(scenario: Scenario) -> Iterator[Tensor]:
     """Yield the different tensors that common mistakes lead to; of equal ones only the first.
 
-    Each comes after the kind of mistake and the numbers in its words. The scene's own tensor, and
-    tensors that are not positive definite, are left out. All are about the pivot if there is one,
-    and else about the com.
+    Each comes after the kind of mistake and the numbers that a sentence on it states. The scene's
+    own tensor, and tensors that are not positive definite, are left out. All are about the pivot if
+    there is one, and else about the com.
     """
     inertia, of_com = np.array(scenario.inertia), np.array(scenario.body.inertia_com)
     seen = [inertia]
@@ -50,7 +50,8 @@ def _of_mistakes(scenario: Scenario, of_com: FloatArray) -> Iterator[Tensor]:
 
     Yields
     ------
-    The kind of mistake, the numbers in its words, and the tensor; several tensors may be equal
+    The kind of mistake, the numbers that a sentence on it states, and the tensor; several tensors
+    may be equal
     """
     about = scenario.about == "pivot"
     steiner = np.array(scenario.body.inertia_origin) - of_com

@@ -63,7 +63,7 @@ class Search:
         return self.data.chi2_decrease(residuals, 0 * residuals) > self._critical(1)
 
     def exceed_noise(self, residuals: FloatArray) -> bool:
-        """Return whether residuals, (m,), are larger than noise and a method's error make them."""
+        """Return whether residuals, (m,), are larger than noise and a method's error explain."""
         degrees, level = residuals.size / self.data.correlated, SIGNIFICANCE / len(self.changes)
         chi2 = self.data.chi2_decrease(residuals, 0 * residuals)
         return chi2 > float(chdtri(degrees, level))
@@ -152,10 +152,9 @@ class Search:
         return fit.rank == best.rank and is_more and is_far_less
 
     def _has_few_parameters(self, fit: Fit) -> bool:
-        """Return whether a fit has few enough parameters.
+        """Return whether a fit has no more parameters than an explanation may have.
 
-        It may have up to `most` if its residuals exceed noise, else up to `MOST_OF_ALL` if that is
-        more.
+        It may have up to `most`, and up to `MOST_OF_ALL` if its residuals do not exceed noise.
         """
         if self.most is None or fit.rank <= self.most:
             return True

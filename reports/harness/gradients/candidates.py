@@ -58,12 +58,12 @@ class Exact:
 
     @cached_property
     def in_world_axes(self) -> list[tuple[str, FloatArray]]:
-        """The Jacobians with attitude, ω or both in world axes, each after the mistake in words."""
+        """Each mistake of world axes in words, with the Jacobians it gives, (J, K, 6, 6)."""
         return list(_in_world_axes(self))
 
     @cached_property
     def lacking(self) -> list[tuple[str, FloatArray]]:
-        """The Jacobians if a term is not differentiated, each after the mistake in words."""
+        """Each mistake of a missing term in words, with the Jacobians it gives, (J, K, 6, 6)."""
         return list(_lacking(self))
 
     @cached_property
@@ -74,7 +74,7 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The errors by finite differences, `secant`, for each of `POWERS`.
+        """The errors that finite differences make, (K, 6, 6) for each power of 10 in `POWERS`.
 
         The key is True for central differences, and False for forward differences.
         """
@@ -114,7 +114,7 @@ class Exact:
 
 
 def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """Yield each known mistake in words, and the Jacobians that it would give, (J, K, 6, 6).
+    """Yield known mistakes of derivatives in words, with the Jacobians they give, (J, K, 6, 6).
 
     Parameters
     ----------
@@ -154,9 +154,9 @@ def candidates(exact: Exact, limits: FloatArray) -> Iterator[tuple[str, FloatArr
 
 
 def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
-    """Yield a mistake in words, and the exact Jacobians with rows or columns set to zero.
+    """Yield mistakes in words, each with the exact Jacobians in which some entries are zero.
 
-    They are those of attitude or of ω.
+    These are the rows of attitude, its columns, the rows of ω, or its columns.
 
     Parameters
     ----------
@@ -171,9 +171,10 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 
 
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield a mistake in words, and the exact Jacobians with attitude, ω or both in world axes.
+    """Yield mistakes in words, each with the exact Jacobians in world axes, (J, K, 6, 6).
 
-    For changes δθ of the attitude and δω of ω, in body axes, ω along world axes changes by
+    Those rows and columns are turned that belong to attitude, to ω, or to both. For changes δθ of
+    the attitude and δω of ω, in body axes, ω along world axes changes by
     R (δω − ω × δθ), with R from body to world. An engine that only turns the derivative to world
     axes has R δω instead.
     """
@@ -232,9 +233,9 @@ def _to_world(
 
 
 def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
-    """Yield a mistake in words, and the Jacobians that it gives: a derivative that lacks a part.
+    """Yield mistakes in words, each with the Jacobians that it gives, (J, K, 6, 6).
 
-    It is the derivative of dx/dt by x, with x the attitude and ω in the chart.
+    In each, the derivative of dx/dt by x lacks a part, with x the attitude and ω in the chart.
     """
     words = {name: f"the {name} is not differentiated" for name in TERMS}
     for name in ("ω", "I ω"):
@@ -253,7 +254,8 @@ def _fitted(exact: Exact, limits: FloatArray, two_sided: bool) -> float:
 
     Parameters
     ----------
-    limits : difference of the engine's Jacobian from the exact one, as for `candidates`, (K, 6, 6)
+    limits : difference of the engine's Jacobian from the exact one, divided by the span of time, in
+        the limit of vanishing timesteps, (K, 6, 6)
     two_sided : True for central differences, False for forward differences
     """
 
@@ -350,15 +352,15 @@ class _Rates:
         torque: FloatArray,
         weighed: tuple[FloatArray, FloatArray],
     ) -> FloatArray:
-        """Return the torque that includes that of the table under a body, N m, body axes, (3,).
+        """Return the whole torque on a body on a table, N m, body axes, (3,).
 
         Parameters
         ----------
         R : attitude, body to world, (3, 3)
         omega : ω, rad/s, body axes, (3,)
-        torque : the other torques, body axes, N m, (3,)
-        weighed : attitude and ω with which the weight loads the table; those of the unchanged state
-            if the term of gravity is kept constant
+        torque : the torques other than that of the table, body axes, N m, (3,)
+        weighed : attitude and ω for the part of the table's force that the weight causes; those of
+            the unchanged state if the term of gravity is kept constant
         """
         scenario, none = self.equations.scenario, np.zeros(3)
         answer = scenario.answer

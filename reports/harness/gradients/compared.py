@@ -65,6 +65,8 @@ TIMED, TIMES = 200, 5
 class GradientRow:
     """The result for one derivative of one method on one scene.
 
+    A derivative is one of the ways in which an engine, or spincheck, computes Jacobians of steps.
+
     Attributes
     ----------
     derivative : the engine's name for the derivative, or `OURS`
@@ -73,7 +75,7 @@ class GradientRow:
         plain steps that it covers
     seconds : wall time until the row was made, including compilation
     timestep : timestep of the window's steps, s
-    window : gradients along a run
+    window : gradients of losses by the start, along a run
     useless_from : time from which on gradients are no better than zero, s; None if the last
         gradient is better
     """
@@ -92,7 +94,7 @@ class GradientRow:
 
 @dataclass(frozen=True, eq=False)
 class _Target:
-    """The Jacobians that the Jacobians of a derivative are compared with.
+    """What the Jacobians that an engine or spincheck computes are compared with.
 
     Attributes
     ----------
@@ -171,7 +173,7 @@ class MethodStudy:
 
     @cached_property
     def _gives_way(self) -> bool:
-        """Whether a constraint gives way, so that it must settle before steps are judged."""
+        """Whether a constraint is soft, so that it must settle before steps are judged."""
         steps = steps_from(self.sessions, self.at.states, self.at.timesteps)
         return gives_way(Equations(self.sessions.scenario), self.engine, steps)
 
@@ -219,7 +221,8 @@ class MethodStudy:
         """Return the row of a derivative that the engine computes.
 
         If the engine's code raises an error, the verdict is `failed` or `unsupported`, with the
-        error as the reason. If its Jacobians cannot be used, as `_found` says, it is `disagrees`.
+        error as the reason. If `_found` returns a sentence in place of Jacobians, the verdict is
+        `disagrees`, with the sentence as the reason.
 
         Parameters
         ----------
@@ -334,7 +337,8 @@ class MethodStudy:
 
         Parameters
         ----------
-        name : the engine's name for the derivative; if empty, differences of runs are used
+        name : the engine's name for the derivative; if empty, differences of the engine's runs from
+            changed starts are used
         is_taped : whether the derivative of many steps is computed at once. If so, it is also
             compared with the product of the Jacobians of the steps, and the verdict says whether
             they differ

@@ -41,7 +41,7 @@ class Units:
 
     @property
     def each(self) -> FloatArray:
-        """The unit of each component, (6,)."""
+        """The unit of each of the six components in the chart, rad and rad/s, (6,)."""
         return np.repeat([1.0, self.rate], 3)
 
     @property
@@ -58,7 +58,7 @@ class Units:
 
 
 def units_of(engine: Engine, rate: float) -> Units:
-    """Return the units for an engine and a motion with a given fastest rate, rad/s."""
+    """Return the units of attitude and ω for an engine and a motion's fastest rate, rad/s."""
     return Units(rate, engine.ulp)
 
 

@@ -119,7 +119,8 @@ def _study(
 
     Parameters
     ----------
-    timestep, window : as in `gradients_of`, s
+    timestep : timestep of the window's steps, s; chosen by the motion's fastest rate if None
+    window : length of the window, s; of 512 steps if None
 
     Raises
     ------

@@ -34,7 +34,8 @@ class Judged:
     known_to : standard error of that limit, relative to the fastest rate
     off_own : relative distance from finite differences of the engine's own steps; None if the
         derivative is not that of a step, is not finite, or is itself these differences
-    is_own : whether that distance is no more than rounding and ε explain; None if it was not tested
+    is_own : whether that distance is no more than rounding and the truncation error of finite
+        differences explain; None if it was not tested
     """
 
     verdict: VerdictWord
@@ -47,7 +48,7 @@ class Judged:
 
 
 def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
-    """Return the standard deviation of a derivative's gain by column, in `units`, 1/s, (J, 6).
+    """Return the standard deviation of gains in each column of Jacobians, in `units`, 1/s, (J, 6).
 
     Parameters
     ----------
@@ -73,7 +74,7 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
     ----------
     exact : the exact Jacobians
     found : the Jacobians to be judged, from K states over J spans of time, (J, K, 6, 6)
-    noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
+    noise : standard deviation of the gains in each column of Jacobians, 1/s, (J, 6)
     """
     units = exact.units
     if not np.isfinite(found).all():
@@ -111,7 +112,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     exact : the exact Jacobians
     found : the Jacobians that the engine computes, from K states with J timesteps, (J, K, 6, 6)
     own : the Jacobians that finite differences of the engine's steps give
-    noise : standard deviation of the gains by column, 1/s, (J, 6): see `noise_of`
+    noise : standard deviation of the gains in each column of Jacobians, 1/s, (J, 6)
     """
     units = exact.units
     wanted = units.of(own.jacobians)
@@ -136,11 +137,12 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
 def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries]:
     """Return the series that are fitted to the gains in attitude and to those in ω.
 
-    Each column of a Jacobian from each of K states is a vector of three components, as a gain from
-    one state is.
+    In each column of the Jacobian from each of K states, the three components of attitude, or of ω,
+    are fitted like the gain from one state.
 
     Parameters
     ----------
+    exact : the exact Jacobians
     off : differences of Jacobians from the exact ones, over J spans of time, (J, K, 6, 6)
     noise : standard deviation of each column's gain, 1/s, (J, 6)
     """
@@ -157,6 +159,8 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
 def _gains(exact: Exact, off: FloatArray) -> FloatArray:
     """Return gains, 1/s: differences of Jacobians in `exact.units`, divided by the spans of time.
 
+    Their shape is that of `off`.
+
     Parameters
     ----------
     off : the differences, for J spans of time and K states, (J, K, 6, 6)
@@ -169,7 +173,7 @@ def _tail(series: list[GainSeries]) -> float:
 
     Parameters
     ----------
-    series : the series of attitude and of ω, as `_series` returns them
+    series : two: of the gains in attitude, and of the gains in ω
     """
     return min(1.0, HALVES * min(one.tail for one in series))
 
@@ -179,7 +183,7 @@ def _joined(series: list[GainSeries]) -> FloatArray:
 
     Parameters
     ----------
-    series : the series of attitude and of ω, as `_series` returns them
+    series : two: of the gains in attitude, and of the gains in ω
     """
     rows = np.concatenate([one.limit for one in series], axis=1)
     return np.swapaxes(rows.reshape(-1, CHART, CHART), 1, 2)

@@ -39,7 +39,8 @@ class Gradient:
     Attributes
     ----------
     t : time, s
-    error : relative error of the gradient of the first loss, the turn to the target
+    error : relative error of the gradient of the first loss, half the square of the turn from the
+        attitude to a target attitude
     cosine : cosine of the angle between that gradient and the exact one
     energy_error : relative error of the gradient of the kinetic energy
     conditioning : largest factor by which the exact motion up to this time multiplies a change of
@@ -237,7 +238,8 @@ def cut_in_words(each: Sequence[FloatArray], taped: FloatArray, ulp: float) -> s
 def useless_from(gradients: tuple[Gradient, ...]) -> float | None:
     """Return the time, s, from which on all gradients are no better than a gradient of zero.
 
-    It is None if the last gradient is better. Gradients are those of the turn to the target.
+    It is None if the last gradient is better. Only the gradients of the first loss count, half the
+    square of the turn to the target.
     """
     wrong = [one.t for one in gradients]
     for one in reversed(gradients):

@@ -17,14 +17,14 @@ class Records:
     evidence : the evidence from single steps and from replays of runs
     rows : rows of the ladder, coarse to fine
     single_rows : rows at timesteps that a user asked for, or that an expectation names
-    above_rows : rows at timesteps above the ladder
+    above_rows : rows at timesteps longer than all rungs
     has_ladder : whether a ladder was asked for, though it may be empty
     order : the lower of the declared orders of ω and attitude
     as_shipped : whether the method is an engine with all its defaults
     lacking : why the engine cannot simulate the scene, in words; else empty
     is_single : whether the engine computes in single precision
-    rounding : relative change of the body's angular acceleration by rounding of its moments in the
-        engine's precision
+    rounding : relative change of the body's angular acceleration if its moments of inertia are
+        rounded to the engine's precision
     is_replayed : whether runs can be replayed; runs that were read from a file cannot
     unmet : expectations of the scene that were not met, in words
     known : the expected failures of the scene's file
@@ -49,7 +49,8 @@ class Records:
         """The run that decides the verdict if its outcome is not ok; None if there is no such run.
 
         It is the finest of the ladder, or else the last at a single timestep. If a ladder was asked
-        for and is empty, it is the first run above the ladder that no finer timestep could save.
+        for and is empty, it is the first run with a longer timestep that is hopeless
+        (`is_hopeless`).
         """
         if self.rows or not self.has_ladder:
             return [*self.single_rows, *self.rows][-1]

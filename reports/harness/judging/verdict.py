@@ -18,8 +18,8 @@ from .records import Records
 def judge(records: Records) -> Verdict:
     """Judge a method by its records, and compare the verdict with the scene's expected failures.
 
-    A verdict `unresolved` becomes `unsupported` if rounding of the body's moments changes its
-    angular acceleration by more than `CONSISTENT`.
+    A verdict `unresolved` becomes `unsupported` if rounding of the body's moments of inertia
+    changes its angular acceleration by more than `CONSISTENT`, relative.
     """
     word, quoted = _judged(records)
     if word == "unresolved" and records.rounding > CONSISTENT:

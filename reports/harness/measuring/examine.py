@@ -111,7 +111,10 @@ def _examine_or_raise(
 ) -> StepEvidence | None:
     """Return the evidence from steps; None if the method does not support the scene or the states.
 
-    The parameters are those of `examine`.
+    Parameters
+    ----------
+    at : the exact states, and the timesteps of the steps that are taken from them
+    explains : whether changes of the equations of motion that explain a fault are looked for
 
     Raises
     ------
@@ -246,8 +249,9 @@ class _Examination:
     def _as_if_biased(self, look: Look) -> Look:
         """Return the same steps with the noise of biased rounding, alike in all repeats and states.
 
-        The mean of repeats then contains the whole bias. Newton's rounding was measured to add up
-        to 3 ulp to the angular momentum in every step, and Rapier's 2 to 3, whatever the timestep.
+        The mean of repeats then contains the whole bias. In every step, whatever the timestep,
+        rounding was measured to add up to 3 ulp to the angular momentum in the engine Newton, and 2
+        to 3 ulp in Rapier.
         """
         biased = ULPS * self.sessions.engine.ulp * roundings(look.equations, look.steps)
         return replace(look, noise=np.hypot(look.noise, biased), is_pooled=False)
@@ -394,7 +398,7 @@ def gives_in(look: Look, settled: Look) -> bool:
 
 
 def _is_clear_fault(look: Look) -> bool:
-    """Return whether the gains of the shortest steps are mostly a limit that is well above noise.
+    """Return whether the gains of the shortest steps are mainly their limit, well above noise.
 
     That is a fault beyond doubt, and no further steps are needed.
     """

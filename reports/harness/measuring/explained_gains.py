@@ -43,9 +43,10 @@ class Gains(Data):
     noise: FloatArray
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the limits of gains less those by H hypotheses, in units of `scale`, (H, K, 4, 3).
+        """Return the limits of gains less those that H hypotheses predict, (H, K, 4, 3).
 
-        By a hypothesis, the limit of a gain is the difference of its rates from the scene's.
+        They are in units of `scale`. A hypothesis predicts as limit the difference between the
+        rates of the four quantities by its equations and by the scene's.
         """
         made = np.stack([self.made(hypotheses[k]) for k in range(len(hypotheses))])
         off = (self.excess - made + self.exact) / self.scale[..., None]
@@ -63,7 +64,7 @@ class Gains(Data):
 
     @cached_property
     def exact(self) -> FloatArray:
-        """The rates of the four quantities by the scene's equations, (K, 4, 3): see `made`."""
+        """The rates of attitude, I ω, velocity and position by the scene's equations, (K, 4, 3)."""
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:

@@ -289,5 +289,5 @@ class _Splits:
 
     @property
     def total(self) -> float:
-        """The logarithm of the likelihood of the gains of all states in the most likely way."""
+        """The logarithm of the likelihood of all gains, for the likeliest split of timesteps."""
         return float(self.totals[0])

@@ -79,8 +79,8 @@ class Intervals:
     def some_again(self, kept: NDArray[np.intp], starts: State) -> State:
         """Run K of the intervals from given starts, and return the K states in which they end.
 
-        The session is restarted once in each interval, after the number of steps in `parts`, as a
-        fault could act in step with the samples.
+        The session is restarted once in each interval, after the number of steps in `parts`, so
+        that a fault in step with the samples does not act alike in run and replay.
 
         Parameters
         ----------

@@ -119,7 +119,8 @@ def _effect_of_restarts(
 ) -> FloatArray:
     """Return how far two restarts change the states in which K short runs end, (K, 5, 3).
 
-    The quantities and their units are those of `state_differences`.
+    The five quantities are attitude, rad; and ω, the com's velocity, its position and spins,
+    relative to their sizes.
 
     Parameters
     ----------

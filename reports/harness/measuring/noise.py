@@ -149,7 +149,7 @@ def weakest_effects(equations: Equations, steps: Steps) -> FloatArray:
 
     The size of an effect is the largest size of its term in any state, in the units of gains.
     Torques of the same kind count as one effect. An effect is ignored if `SEEN` times its size is
-    less than `NOISE` times `term_sizes`, as it could not be told from noise that is no fault.
+    less than `NOISE` times `term_sizes`, as its loss could not be told from noise.
     """
     negligible = NOISE / SEEN * term_sizes(equations, steps)
     torques = _torques(equations, steps.before).max(axis=0)

@@ -52,7 +52,7 @@ class Places:
 
         Parameters
         ----------
-        size : standard deviation of the change, rad and relative; see `changed_at_random`
+        size : standard deviation of the change, in rad for the attitude, and relative for vectors
         repeats : R
         """
         chance = np.random.default_rng(repeats)
@@ -76,15 +76,15 @@ class Places:
 
 
 def places(scenario: Scenario, motion: Trajectory, coarsest: float | None) -> Places:
-    """Choose timesteps, states along the exact motion, and two with ω along no coordinate axis.
+    """Choose timesteps, states of the exact motion, and two more with ω along no coordinate axis.
 
     States in which a one-sided constraint would have to pull are left out.
 
     Parameters
     ----------
     motion : the exact motion at the samples of the window
-    coarsest : the ladder's coarsest timestep, s, which is then the longest one here; if None, the
-        motion's fastest rate decides that
+    coarsest : the ladder's coarsest timestep, s, which becomes the longest timestep of the steps.
+        If None, that is computed from the motion's fastest rate
     """
     equations, along = Equations(scenario), motion.at(_chosen_samples(scenario, motion))
     rate = fastest_rate(scenario, motion.omega_body) or 1 / scenario.window.duration
@@ -158,10 +158,10 @@ def _changed_by(vectors: FloatArray, change: FloatArray) -> FloatArray:
 def _condition_of_flight(scenario: Scenario) -> float:
     """Return how much a free body's com away from the origin adds to `Places.condition`.
 
-    Engines that solve for rotation and translation together compute the moment about the com as
-    that about the body's origin less m r², with r the distance between the two. Digits cancel in
-    this difference. The result is m r² divided by the smallest principal moment about the com; on a
-    pivot it is 0.
+    Engines that solve for rotation and translation together compute the moment of inertia about the
+    com as that about the body's origin less m r², with r the distance between the two points.
+    Digits cancel in this difference. The result is m r² divided by the smallest principal moment
+    about the com; on a pivot it is 0.
     """
     if scenario.constraint.is_pivot:
         return 0.0

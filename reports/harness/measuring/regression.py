@@ -35,7 +35,7 @@ class Measured:
     x : timesteps, relative to the longest, (J,)
     gains, noise : gains, (J, 3, K), and the standard deviation of their noise, (J,)
     units : the unit of each state, by which its gains and noise were divided, (K,)
-    amplitudes : the amplitudes of the grid, (A,)
+    amplitudes : the amplitudes of the series' coefficients that are tried, (A,)
     turns : the angle by which each step turns the body, or the angle's rank, (J, K)
     radius : the least radius of convergence that is considered, relative to the longest timestep;
         about two thirds of all timesteps are below it
@@ -163,7 +163,7 @@ class Regression:
         return Regression(measured, order, radii, noise, basis, has_constant)
 
     def before(self, j: int) -> "Regression":
-        """Return the regression of the gains at the j longest timesteps, with the same pairs."""
+        """Return the regression, with the same grid, of the gains at the j longest timesteps."""
         of_first = self.measured.part(0, j)
         return replace(self, measured=of_first, noise=self.noise[:, :j], basis=self.basis[:, :j])
 
@@ -334,10 +334,11 @@ class Regression:
 
 
 def _inverse_radii(measured: Measured) -> FloatArray:
-    """Return the inverse radii of convergence of the grid, (R,).
+    """Return the inverse radii of convergence that are tried, (R,).
 
-    The radii reach from four times the longest timestep down to `Measured.radius`. A radius with
-    fewer than `LEAST` timesteps below it, which are too few to show a series, is left out.
+    They are in units of 1 / longest timestep. The radii reach from four times the longest timestep
+    down to `Measured.radius`. A radius with fewer than `LEAST` timesteps below it, which are too
+    few to show a series, is left out.
     """
     count = np.arange(np.log(4 / measured.radius) / np.log(RATIO))
     radii = RATIO ** (count + 0.5) / 4

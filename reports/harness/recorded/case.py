@@ -75,9 +75,9 @@ class Case:
 
     @property
     def reach(self) -> int:
-        """How many samples before each sample, and how many after it, its ω is computed from.
+        """The number of samples on each side of a sample from which its ω is computed.
 
-        The number is the same on both sides; it is 0 if ω was recorded.
+        It is 0 if ω was recorded.
         """
         return self.recorded.derived.reach if self.recorded.derived else 0
 

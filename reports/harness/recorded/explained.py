@@ -265,7 +265,7 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
 
 
 def _of_solvers(case: Case) -> FloatArray:
-    """Return the largest scatter of attitude, rad, and ω, rad/s, (2,), by constraint solvers."""
+    """Return the largest scatter of attitude, rad, and ω, rad/s, from constraint solvers, (2,)."""
     return SOLVERS * np.array([1.0, norms(case.motion.omega_body).max()])
 
 
@@ -382,7 +382,7 @@ def _verdict(physics: Physics, is_beyond: bool, *, is_explained: bool) -> str:
 
     Parameters
     ----------
-    is_beyond : whether they are
+    is_beyond : whether the errors are known to be larger
     is_explained : whether a mistake or other physics explains the motion
     """
     if physics.search is None and not is_beyond:

@@ -54,7 +54,7 @@ class JudgedMotion:
     series : the errors of each sample
     drifts : the largest relative change of each conserved quantity, by name
     defects : defects of the intervals between samples, by signal; empty if the body turns too far
-        in all, or if the exact flow cannot be computed from a sample
+        in the whole motion, or if the exact flow cannot be computed from a sample
     explained_by : sentences on the mistakes in recording, or the other physics, that explain why
         the motion is not the exact one
     made_by : the known integrator that computed the motion, in words; empty if none is recognised
@@ -110,7 +110,7 @@ class JudgedMotion:
         return self._beyond_since("attitude", DEGREE)
 
     def beyond(self, bounds: Mapping[str, float]) -> list[str]:
-        """Return a sentence for each bound that an error exceeds.
+        """Return a sentence for each bound that an error exceeds; empty if none is exceeded.
 
         Parameters
         ----------

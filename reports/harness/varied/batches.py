@@ -75,7 +75,7 @@ STOPPED, STOPS = Apart(1, math.inf, math.inf), ", which stops all worlds"
 class BatchRow:
     """A batch of worlds of one scene: what their motions depend on, and the cost of a step.
 
-    The place of a world is its index in the batch.
+    A world is a copy of the scene in the batch, and its place is its index.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ def batch_by(executor: Executor, scenario: Scenario, engine: Engine, row: BatchR
 
     Parameters
     ----------
-    row : the row to be completed, as in `batch_of`
+    row : the row to be completed; it states method, timestep, number of worlds and device
     """
     answer = executor.call_at(engine.site, batch_of, scenario, engine, row)
     if isinstance(answer.value, CallFailed):
@@ -330,7 +330,8 @@ class _Study:
     def _ends(self, scenes: Sequence[Scenario]) -> list[int]:
         """Return the numbers of steps after which worlds are compared: 1, 2, 4, 8, … and the last.
 
-        The last is that of the whole window, or fewer if these would take longer than `BUDGET`.
+        The last is the number of steps in the window, or that which takes `BUDGET` seconds to
+        compute, whichever is smaller.
 
         Parameters
         ----------
@@ -344,7 +345,7 @@ class _Study:
         return [1 << k for k in range(last.bit_length()) if 1 << k < last] + [last]
 
     def _alone(self, ends: Sequence[int]) -> _Motion:
-        """Run one world in `session`, outside any batch; return its motion, repeated by place.
+        """Run one world in `session`, outside any batch; return its motion once for each place.
 
         Parameters
         ----------

@@ -45,8 +45,8 @@ def runs_with_defaults(
     ----------
     rung : the timestep and samples of all runs
     solution : the exact motion at these samples
-    at : exact states and timesteps of single steps, by which `Row.acts` is determined for the runs
-        with one default or none; None if `Row.acts` is not wanted
+    at : exact states and timesteps of single steps, which show whether a default acts (`Row.acts`);
+        they are examined with each default alone and with none. None if `Row.acts` is not wanted
     """
     method = engine.method(method_name)
     names = engine.defaults(scenario, method)

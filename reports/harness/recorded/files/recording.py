@@ -225,7 +225,7 @@ class Recording:
 
     @property
     def resolution(self) -> float:
-        """The relative resolution with which attitude and ω are printed."""
+        """The relative resolution of printed attitude and ω, by the number with the most digits."""
         eps = float(np.finfo(np.float32 if self.is_single else float).eps)
         columns = [self.arrays[name].ravel() for name in ("q", "omega") if name in self.arrays]
         numbers = np.concatenate(columns)

@@ -88,7 +88,7 @@ class Table:
 
 
 def setting(name: str, value: str, line: int | None) -> dict[str, str]:
-    """Return a dictionary with one setting and its value, or an empty one if there is no such name.
+    """Return a dictionary with one setting and its value; empty if no setting has the name.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _lines(file: IO[str]) -> Iterator[tuple[int, str]]:
 def read_csv(path: Path) -> Recording:
     """Read a motion from a table in text, whose first line names the columns.
 
-    Lines above it that begin with # may state settings, such as ``# timestep = 0.001``. Cells are
+    Lines before the table that begin with # may state settings, ``# timestep = 0.001``. Cells are
     separated by commas, semicolons, tabs or spaces.
 
     Raises

@@ -41,15 +41,15 @@ class KnownIntegrators:
 
     @cached_property
     def each(self) -> tuple[Intervals, ...]:
-        """Some of the intervals, once for each known integrator that takes steps in them.
+        """Some of the intervals, in one copy for each known integrator that may solve them.
 
-        The steps have the stated timestep, or the median time between samples if none is stated.
+        Its steps have the stated timestep, or the median time between samples if none is stated.
         The tuple is empty if the lengths of the intervals are not multiples of that timestep.
         """
         return self._steps(self.stated or self.span, FEW)
 
     def _steps(self, timestep: float, count: int) -> tuple[Intervals, ...]:
-        """Return some of the intervals, once for each known integrator that takes steps in them.
+        """Return some of the intervals, in one copy for each known integrator that may solve them.
 
         Parameters
         ----------
@@ -71,7 +71,7 @@ class KnownIntegrators:
         """The known integrators that may have computed the motion.
 
         An integrator that keeps the length of I ω is among them only if the torques keep it, too.
-        Otherwise it would cancel drag, and so explain a motion in which drag is missing.
+        Otherwise it would undo the drag of a hypothesis, and so explain a motion without drag.
         """
         equations, states = self.intervals.base, self.intervals.starts
         kept = np.tile(equations.kept, (len(states), 1))

@@ -145,7 +145,8 @@ def _terms(equations: OtherEquations) -> list[OtherEquations]:
 def _colours(order: int, terms: int) -> Sequence[int]:
     """Return the colours of rooted trees' vertices for methods of an order of accuracy.
 
-    A colour says for which right-hand sides of the equations a vertex stands: see `BOTH`.
+    A colour says for which right-hand side a vertex stands: that of all equations, of the
+    attitude's equation, of Euler's equations, or of one term of Euler's equations.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ class Log(Data):
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
     is_stated : whether the noise was stated by the user; else it was estimated
     has_omega : whether ω was recorded; if not, only attitudes are fitted
-    dropped : number of samples after the last one that `while_followed` has left out
+    dropped : number of samples that `while_followed` has left out at the end of the motion
     is_exact : whether hypotheses are followed with the integrator `EXACT` in any case
     """
 
@@ -71,7 +71,7 @@ class Log(Data):
     def integrator(self) -> Integrator:
         """The integrator that computes the motions of hypotheses: `APPROXIMATE` or `EXACT`.
 
-        It is `APPROXIMATE` if the error of that is less than the noise of the mean of all samples.
+        It is `APPROXIMATE` if that has an error below the noise of the mean of all samples.
         """
         if self.is_exact:
             return EXACT
@@ -142,9 +142,9 @@ class Log(Data):
         return follow_each(hypotheses, starts, spans, self.integrator, fastest=self.fastest)[:, 0]
 
     def while_followed(self, exact: Trajectory) -> "Log":
-        """Return the log without the last samples, if a rounded start does not lead to them.
+        """Return the log without the last samples if rounding of the start hides what they show.
 
-        Near an unstable motion a difference of the start by rounding grows without bound. Once the
+        Near an unstable motion, a change of the start by rounding grows without bound. Once the
         scene's own equations, followed from the start, are off the exact motion by more than the
         fraction `LEFT` of the noise, no hypothesis can be compared with the samples: from there on
         they are left out. The first `FEWEST` are kept in any case.

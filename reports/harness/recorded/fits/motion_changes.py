@@ -70,7 +70,7 @@ LOCKED = [_locked_axis(axis, is_set=is_set) for is_set in (False, True) for axis
 
 @lru_cache(1)
 def changes_of_motion(scenario: Scenario) -> tuple[Change, ...]:
-    """Return all changes of a scene's equations, or of how states are read, that are tried."""
+    """Return the changes of equations, or of how states are read, that may explain a motion."""
     scene = scenario, equations_of(scenario)
     of_equations = IN_WORLD, *changes(scenario), *OTHER_SIGNS, *LOCKED
     return *of_equations, *of_rotors(*scene), *of_attitude(*scene), *READINGS

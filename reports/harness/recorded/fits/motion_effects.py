@@ -40,7 +40,7 @@ def tilt(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that add a torque that depends on the attitude, or a turning of body or world.
+    """Yield changes that add a torque by the attitude, or an angular velocity of body or world.
 
     Only long motions show the effects of these changes.
 

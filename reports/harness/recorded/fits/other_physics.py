@@ -283,9 +283,9 @@ class Physics:
 
     @cached_property
     def _square_beside_methods(self) -> float:
-        """The mean square of the differences `off` that a fit of methods' errors leaves.
+        """The mean square that a fit of methods' errors leaves of the differences in `off`.
 
-        It is relative to the square of `off`, and 0 if these differences are no more than noise.
+        It is relative to the square of `off`, and 0 if the differences are no more than noise.
         """
         if self.intervals is None or self.is_of_noise:
             return 0.0
@@ -402,8 +402,8 @@ class Physics:
     def _of_motion(self) -> list[Change]:
         """The changes in `search` that do not look like a method's error about a steady axis.
 
-        All are included but those that have parameters, and concern how states are read, or how the
-        attitude follows from ω.
+        Changes with parameters are left out if they concern how states are read or how the attitude
+        follows from ω; all others are included.
         """
         changes = self.search.changes if self.search else ()
         return [one for one in changes if not (len(one.scales) and is_of_turning(one))]
@@ -450,7 +450,7 @@ class Physics:
 
     @property
     def is_open(self) -> bool:
-        """Whether the motion is beyond a method's error, and nothing that was tried explains all.
+        """Whether the motion is beyond a method's error, and nothing explains all of it.
 
         Clamps of ω, known integrators, other methods and the changes in `found` are tried.
         """

@@ -239,7 +239,11 @@ def _smoothed(
 ) -> tuple[float, str] | None:
     """Return the moving mean of the body's ω over the fewest samples that explains the recorded ω.
 
-    The parameters are those of `_smoothed_or_filtered`: body is the body's ω, read the recorded ω.
+    Parameters
+    ----------
+    t : times of the samples, s, (n,)
+    body, read : the body's ω and the recorded one, rad/s, (n, 3)
+    error : standard deviation of the error of the body's ω, rad/s
 
     Returns
     -------
@@ -313,7 +317,11 @@ def _filtered(
 ) -> tuple[float, str] | None:
     """Return the linear filter with the fewest weights that makes the recorded ω of the body's.
 
-    The parameters are those of `_smoothed_or_filtered`: body is the body's ω, read the recorded ω.
+    Parameters
+    ----------
+    t : times of the samples, s, (n,)
+    body, read : the body's ω and the recorded one, rad/s, (n, 3)
+    error : standard deviation of the error of the body's ω, rad/s
 
     Returns
     -------

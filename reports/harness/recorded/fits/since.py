@@ -36,9 +36,9 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
 
     The first sample after the change is the first at which χ² of all deviations so far from the
     exact motion exceeds noise. The samples from there on are fitted by themselves. If that requires
-    other equations than the scene's, there is a sentence for each change of these. The time of the
+    changes of the scene's equations, there is a sentence for each of them. The time of the sudden
     change is then that at which the fitted motion, followed back in time, meets the exact one, if
-    it does. If no other equations are required, the sentence says by how much the motion jumps.
+    it does. If no such changes are required, the sentence says by how much the motion jumps.
 
     Parameters
     ----------
@@ -88,7 +88,9 @@ def since_when(fit: Measured, motion: Trajectory, exact: Trajectory) -> list[str
 
 
 def since_left_out(fit: Measured, motion: Trajectory) -> list[str]:
-    """Return the sentence that a motion changes among the samples that a fit leaves out; or none.
+    """Return a list of the sentence that a motion changes among the samples that a fit leaves out.
+
+    The list is empty if it does not, or if no samples are left out.
 
     However unstable the motion is, the scene's equations lead from each sample to the next to
     within noise. By an F-test, the deviations of the samples that are left out are compared with
@@ -97,6 +99,7 @@ def since_left_out(fit: Measured, motion: Trajectory) -> list[str]:
 
     Parameters
     ----------
+    fit : the fit to the samples before those that are left out
     motion : the whole recorded motion
     """
     kept = len(fit.given.t)

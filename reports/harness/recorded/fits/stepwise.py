@@ -27,8 +27,8 @@ class Stepwise(Search):
 
     Attributes
     ----------
-    usual : the changes that such data often call for. They count as simpler than others with as
-        many parameters
+    usual : the changes that data of this kind most often require. They count as simpler than others
+        with as many parameters
     """
 
     usual: Sequence[Change] = ()

@@ -83,7 +83,8 @@ def _fit(
 ) -> tuple[FloatArray, FloatArray]:
     """Fit the one parameter of a change to each interval by itself.
 
-    The iteration is given up as soon as the residuals are too large, by `PROMISING`.
+    The iteration ends early if the mean square of the residuals exceeds `PROMISING` times that
+    without the change.
 
     Parameters
     ----------
@@ -149,7 +150,7 @@ def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
 
 
 def _change_in_words(change: Change, parameter: float) -> str:
-    """Return in words what differs from the scene by a change, given the change's one parameter.
+    """Return in words what a change makes different from the scene, given its one parameter.
 
     The words name the parameter, to three digits. If the parameter is nearly zero, they say that
     all was as in the scene.

@@ -60,8 +60,8 @@ class BesideMethods(Data):
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """Return the residuals of H hypotheses, (H, S, 6).
 
-        Along `directions` they are in units of `intervals.scale` and `sizes` together, otherwise in
-        units of `intervals.scale` alone.
+        They are in units of their standard deviation: that of all other errors, `intervals.scale`,
+        to which the standard deviation of methods' errors is added along `directions`.
         """
         each = self.intervals.deviations(hypotheses)
         flat = each.reshape(len(hypotheses), -1)
@@ -140,7 +140,10 @@ def _beside(
     ----------
     errors : the methods' errors by each of k elementary differentials with a coefficient of one,
         rad and rad/s, (k, S, 6)
-    data, changes, most, next_term : see `within_error`
+    data : the intervals of the motion
+    changes : the changes that are tried
+    most : the most parameters of a fit
+    next_term : size of the next term of a method's error, relative to the leading term
     size : assumed size of methods' errors, rad and rad/s, (2,). If far smaller errors fit beside
         some change, that smaller size is assumed instead
 

@@ -46,9 +46,10 @@ class Alternation:
 
     Attributes
     ----------
-    every : root mean squares of the third differences, first row, and of the fourth differences,
-        second row; of attitude, rad, and of ω, rad/s, in columns, (2, 2)
-    every_second : the same of differences with a lag of two samples, (2, 2)
+    every : root mean squares of third differences of samples, first row, and of fourth differences,
+        second row; of attitude, rad, and of ω, rad/s, in columns, (2, 2). The errors count as first
+        differences
+    every_second : the same if further differences are taken with a lag of two samples, (2, 2)
     throughout : whether most samples contribute to the fourth differences, for attitude and for ω,
         (2,); otherwise these may be due to a single jump
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,), if the alternation is noise
@@ -128,14 +129,14 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
 
 
 def _variances_of_differences(scenario: Scenario, motion: Trajectory, unit: float) -> FloatArray:
-    """Return the variances of fourth differences by noise of variance one, (2, 2).
+    """Return the variances of fourth differences that noise of variance one causes, (2, 2).
 
     Those of attitude are in the first row and those of ω in the second one; the first column is by
     noise of attitude, and the second one by noise of ω. The flow carries the noise of a sample, n,
     on to the next one as Φ n, where drag may damp it. So the operator is (1 − B)³ (1 − Φ B), with
     the shift B by a sample, and the variance of a component is 20 + 30 tr Φ / 3 + 20 ‖Φ‖² / 3, with
-    the Frobenius norm. This is `OF_DIFFERENCES` where Φ = 1. Of noise in the other quantity only
-    the last term is there.
+    the Frobenius norm. This is `OF_DIFFERENCES` where Φ = 1. Noise of the other quantity causes
+    only the last term.
 
     Parameters
     ----------

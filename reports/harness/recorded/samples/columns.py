@@ -98,7 +98,7 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
 
 
 def _when(t: FloatArray, a: int, b: int) -> str:
-    """Return the times and the number of the samples with indices `a` to `b` in words."""
+    """Return in words the times and the number of the samples with indices from `a` to `b`."""
     count, is_to_end = b + 1 - a, b == len(t) - 1
     if is_to_end:
         return f"from t = {t[a]:.6g} s on, for {count} samples" if a else f"in all {count} samples"

@@ -66,12 +66,12 @@ class Numbers:
 
     @cached_property
     def resolution_q(self) -> float:
-        """The resolution of the recorded quaternions (see `resolution`)."""
+        """The resolution with which the components of quaternions are printed (`resolution`)."""
         return resolution(self.q, (1.0,))
 
     @cached_property
     def resolution_omega(self) -> float:
-        """The resolution of the recorded ω, rad/s (see `resolution`); 0 if ω was not recorded."""
+        """The resolution with which ω is printed, rad/s (`resolution`); 0 if ω was not recorded."""
         return 0.0 if self.omega is None else resolution(self.omega, RATES.values())
 
     @cached_property
@@ -246,9 +246,9 @@ def _still(numbers: Numbers) -> Shown | None:
 
 
 def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
-    """Return the finding that samples `a` to `b` are the same, with words on the later samples.
+    """Return the finding that samples `a` to `b` are the same.
 
-    The words say whether the states of these are late, as if the motion had paused.
+    It says whether the states of the samples after `b` are late, as if the motion had paused.
     """
     t, q = numbers.t, numbers.q / norms(numbers.q)[:, None]
     samples = "1 sample" if b == a + 1 else f"{b - a} samples"

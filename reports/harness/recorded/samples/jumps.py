@@ -48,8 +48,8 @@ def jumps(data: Intervals, reach: int) -> list[Jump]:
     """Return the first jump of each kind in a motion, with the number of such jumps in its words.
 
     At most `KINDS_TOLD` kinds are returned. The list is empty if there is no jump, if more than a
-    tenth of all intervals have one, or if deviations decay from the first interval on, as of a
-    filter that starts with the motion.
+    tenth of all intervals have one, or if deviations decay from the first interval on, as those of
+    a filter do that starts with the motion.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def jumps(data: Intervals, reach: int) -> list[Jump]:
 
 
 def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[int]:
-    """Return the indices of the intervals between samples with far larger deviations than others.
+    """Return the indices of the intervals whose deviations are far larger than those of others.
 
     The list is empty if these intervals are more than the fraction `LEFT` of all.
 
@@ -135,7 +135,7 @@ def _outliers(data: Intervals, deviations: FloatArray, k: int, last: int) -> Jum
 
     Parameters
     ----------
-    deviations : see `_places`
+    deviations : those of the ends of all intervals from the exact flow, rad and rad/s, (n, 6)
     k, last : the interval that ends in the first outlier, and the one that begins in the last one
     """
     first, count = data.t[k], last - k
@@ -155,7 +155,7 @@ def _stretch(data: Intervals, deviations: FloatArray, k: int, end: int) -> Jump:
 
     Parameters
     ----------
-    deviations : see `_places`
+    deviations : those of the ends of all intervals from the exact flow, rad and rad/s, (n, 6)
     k, end : the first and the last of these intervals
     """
     worst = deviations[k + int(np.argmax(norms(deviations[k : end + 1])))]
@@ -226,7 +226,7 @@ def _jump(data: Intervals, deviations: FloatArray, k: int) -> Jump:
 
     Parameters
     ----------
-    deviations : see `_places`
+    deviations : those of the ends of all intervals from the exact flow, rad and rad/s, (n, 6)
     """
     at = data.t[k]
     if not k:

@@ -164,7 +164,9 @@ def _largest(what: str, data: Intervals, missing: FloatArray, unit: str) -> str:
 
 
 def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
-    """Return in words the axis of body or world that vectors are along, or perpendicular to.
+    """Return in words how vectors lie relative to the axes of the body or of the world.
+
+    They are nearly constant along all axes, or along one axis, or across one, or none of these.
 
     Parameters
     ----------

@@ -170,7 +170,7 @@ def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
 def rounded_times(reading: Reading) -> list[str]:
     """Return the sentence that the times of a recording are rounded.
 
-    They are if the attitude follows ω far better at the evenly spaced times that are found.
+    They are if evenly spaced times are found, at which the attitude follows ω far better.
 
     Returns
     -------
@@ -286,7 +286,8 @@ class _Beginning:
         Parameters
         ----------
         readings : the corrections that are tried
-        best : the correction to be improved upon; without any, an empty list and the given reading
+        best : the correction to be improved upon. If there is none, an empty list of sentences and
+            the reading as it is
         """
         given = best[1]
         baseline = least = self.error(given)

@@ -167,8 +167,8 @@ def exchanged(scenario: Scenario, motion: Trajectory) -> Shown | None:
 def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
     """Return the finding that recorded times jitter about the actual ones; None if they do not.
 
-    They do if the recorded times are uneven, and ω is the rate of the attitude far more closely at
-    evenly spaced times.
+    They do if the recorded times are uneven, and ω agrees far better with the rate of the attitude
+    if the times are taken to be evenly spaced.
 
     Parameters
     ----------

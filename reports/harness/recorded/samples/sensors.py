@@ -157,8 +157,8 @@ def as_read(hypotheses: Hypothesis, states: FloatArray, t: FloatArray) -> FloatA
 def as_it_was(hypotheses: Hypothesis, read: FloatArray, t: FloatArray) -> FloatArray:
     """Return the actual states, (H, S, 7), if the sensors of H hypotheses read given states.
 
-    This is the inverse of `as_read`, except that filters are not undone. States are not finite if
-    ω cannot be computed from what a hypothesis reads.
+    This is the inverse of `as_read`, except that filters are not undone. States are not finite for
+    a hypothesis with which ω as it is read does not determine ω.
 
     Parameters
     ----------

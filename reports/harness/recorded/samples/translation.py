@@ -128,9 +128,9 @@ def _added_acceleration(
 ) -> float:
     """Return the largest acceleration of the com, m/s², that a method or rounding may add.
 
-    On a table engines step the point of the body that touches it, which is pulled round a com that
-    may rest. A method of order 1 takes this pull at a wrong time, by one step at most. Forces
-    between rotors and body cancel, but for their rounding.
+    On a table engines step the body's tip, which accelerates as the body turns even if the com
+    rests. A method of order 1 takes this acceleration at a time that is wrong by one step at most.
+    Forces between rotors and body cancel, but for their rounding.
 
     Parameters
     ----------
@@ -226,7 +226,8 @@ def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, F
     """Yield sentences on possible mistakes of the velocity, each with the corrected velocity.
 
     The corrected velocity is that of the com, in m/s, along world axes, (n, 3). After it comes the
-    size of the unit of the recorded numbers, m/s, but at most 1: see `_coms`.
+    size of the unit of the recorded numbers, m/s, but at most 1. The error that remains is compared
+    in this unit.
     """
     R, v = matrices(motion.q_world_body_wxyz), motion.velocity_world
     swing_world = turned(R, np.cross(motion.omega_body, scenario.constraint.lever))
