@@ -210,12 +210,15 @@ class Case:
         """
         of_method = self.timestep, self.order, self.of_intervals
         intervals = intervals_of(self.scenario, self.motion, *of_method, near=FAR)
-        if intervals and base is not None:
+        if intervals is None:
+            return []
+        intervals = replace(intervals, noise=self.physics.least)
+        if base is not None:
             # Deviations far smaller than those that `base` explains are residuals of its fit, and
             # no jumps of the motion.
             noise = np.maximum(intervals.noise, LEFT**2 * self.physics.off)
             intervals = replace(intervals, base=base, noise=noise)
-        return jumps(intervals, self.reach) if intervals else []
+        return jumps(intervals, self.reach)
 
     def as_it_begins(self) -> "Case | None":
         """Return the case in which the scene starts with the first recorded state.

@@ -4,9 +4,11 @@ In a step h the leading error of a method of order p is h^(p+1) times a combinat
 elementary differentials of order p + 1, one for each rooted tree with p + 1 vertices (Hairer,
 Lubich & Wanner, Geometric Numerical Integration, §III.1). A method that treats attitude and ω
 differently, such as semi-implicit Euler, has one for each way to colour the vertices of these trees
-(§III.2). Over many steps these errors add up, carried along by the exact flow. The coefficients of
-the combination are about one at most: explicit Euler's is ½, and those of methods of higher orders
-are smaller (§III.1.3).
+(§III.2). Elementary differentials depend on the variables: those of a method that computes with ω
+along world axes, as Drake and PyBullet do, are others than those of ω along body axes. Over many
+steps these errors add up, carried along by the exact flow. The coefficients of the combination are
+about one at most: explicit Euler's is ½, and those of methods of higher orders are smaller
+(§III.1.3).
 """
 
 from collections.abc import Sequence
@@ -21,7 +23,7 @@ from .....reference.deviations import apart
 from .....reference.following import follow, rates
 from .....reference.other_equations import OtherEquations
 from .....scenarios import FloatArray
-from .....scenarios.rotation import cross, norms, turning_of
+from .....scenarios.rotation import cross, matrices, norms, turned, turned_back, turning_of
 from ..samples.intervals import Intervals
 
 #: Order up to which vertices of trees are coloured: for higher orders there are too many trees.
@@ -98,20 +100,22 @@ def leading_errors(
     terms = _terms(equations)
     # In units in which `rate` is 1, the error is a power of the timestep. It is divided by
     # `CARRIED`, by which differentials are multiplied before the flow carries them along.
-    every, sizes = [], []
+    every, sizes = list[tuple[bool, Tree]](), []
     for order in orders:
-        more = trees(order + 1, _colours(order, len(terms)))
+        more = [(False, tree) for tree in trees(order + 1, _colours(order, len(terms)))]
+        more += [(True, tree) for tree in trees(order + 1, [BOTH])]
         every += more
         sizes += len(more) * [(rate * steps) ** order / CARRIED]
     errors = np.zeros((len(every), *data.scale.shape))
+    coloured = *[equations] * TERMS, *terms
     nodes, weights = leggauss(NODES)
     for part, weight in zip((1 + nodes) / 2, weights / 2, strict=True):
         here = follow(equations, data.starts, part * data.spans)[:, 0]
         remaining = (1 - part) * data.spans
         ends = follow(equations, here, remaining)[:, 0]
-        differentials = _Differentials((*[equations] * TERMS, *terms), here, rate)
-        for error, tree, size in zip(errors, every, sizes, strict=True):
-            moved = here + CARRIED * units * differentials.of(tree)
+        differentials = _Differentials(coloured, here, rate)
+        for error, (is_world, tree), size in zip(errors, every, sizes, strict=True):
+            moved = here + CARRIED * units * differentials.of(tree, is_world=is_world)
             moved[:, :4] /= norms(moved[:, :4])[:, None]
             carried = apart(ends, follow(equations, moved, remaining)[:, 0])
             error += weight * data.spans * rate * size * carried
@@ -119,12 +123,14 @@ def leading_errors(
     # differs from the method's ω by the part of the differential that acts on the attitude.
     if data.is_derived:
         ends = follow(equations, data.starts, data.spans)[:, 0]
-        first, last = (
-            _Differentials((*[equations] * TERMS, *terms), states, rate)
-            for states in (data.starts, ends)
-        )
-        for error, tree, size in zip(errors, every, sizes, strict=True):
-            began, ended = (CARRIED * rate * one.turning_of(tree) for one in (first, last))
+        both = [_Differentials(coloured, states, rate) for states in (data.starts, ends)]
+        for error, (is_world, tree), size in zip(errors, every, sizes, strict=True):
+            began, ended = (
+                CARRIED
+                * rate
+                * turning_of(one.states[:, :4], one.of(tree, is_world=is_world)[:, :4])
+                for one in both
+            )
             moved = data.starts + np.hstack([np.zeros_like(began[:, :1]), 0 * began, began])
             error -= size * apart(ends, follow(equations, moved, data.spans)[:, 0])
             error[:, 3:] += size * ended
@@ -193,30 +199,59 @@ class _Differentials:
     states: FloatArray
     rate: float
 
-    def of(self, tree: Tree) -> FloatArray:
+    def of(self, tree: Tree, *, is_world: bool = False) -> FloatArray:
         """Return a tree's elementary differential of q and ω, (n, 7); the unit of time is 1/`rate`.
+
+        Parameters
+        ----------
+        is_world : whether the variables of the method are q and ω along world axes. The returned
+            change of ω is along body axes in either case
+        """
+        if not is_world:
+            return self._of(tree, self.states, is_world=False)
+        R, omega = matrices(self.states[:, :4]), self.states[:, 4:]
+        in_world = np.hstack([self.states[:, :4], turned(R, omega)])
+        change = self._of(tree, in_world, is_world=True)
+        # ω along body axes changes, too, as the attitude does: Rᵀ dω − dφ × Rᵀ ω.
+        turn = turning_of(self.states[:, :4], change[:, :4])
+        of_omega = turned_back(R, change[:, 4:]) - cross(turn, omega / self.rate)
+        return np.hstack([change[:, :4], of_omega])
+
+    def _of(self, tree: Tree, states: FloatArray, *, is_world: bool) -> FloatArray:
+        """Return a tree's elementary differential in the variables of the given states, (n, 7).
 
         With m subtrees at the root it is the m-th derivative of the right-hand side that the root
         stands for, in the directions of the subtrees' differentials. Derivatives are taken by
         central differences.
+
+        Parameters
+        ----------
+        states : q, scalar first, and ω, rad/s, (n, 7)
+        is_world : whether ω is along world axes, and not along body axes
         """
         root, branches = tree
-        directions = [self.of(one) for one in branches]
+        directions = [self._of(one, states, is_world=is_world) for one in branches]
         units = np.array([1.0, self.rate]).repeat([4, 3])
-        total = np.zeros_like(self.states)
+        total = np.zeros_like(states)
         for signs in product((1, -1), repeat=len(branches)):
-            moved = sum(sign * one for sign, one in zip(signs, directions, strict=True))
-            total += np.prod(signs) * self._slopes(root, self.states + SMALL * units * moved)
+            moved = states + SMALL * units * sum(
+                sign * one for sign, one in zip(signs, directions, strict=True)
+            )
+            slopes = self._slopes_in_world(root, moved) if is_world else self._slopes(root, moved)
+            total += np.prod(signs) * slopes
         total /= (2 * SMALL) ** len(branches) * self.rate * units
         is_kept = np.repeat([root <= ATTITUDE, root != ATTITUDE], [4, 3])
         return np.where(is_kept, total, 0.0)
 
-    def turning_of(self, tree: Tree) -> FloatArray:
-        """Return the angular velocity that a tree's differential of q stands for, (n, 3).
+    def _slopes_in_world(self, colour: int, states: FloatArray) -> FloatArray:
+        """Return q' and ω' of states, both with ω along world axes, (n, 7).
 
-        It is along body axes, in units of `rate`.
+        As ω × ω is zero, ω' along world axes is ω' along body axes, turned.
         """
-        return turning_of(self.states[:, :4], self.of(tree)[:, :4])
+        q = states[:, :4]
+        R = matrices(q / norms(q)[:, None])
+        slopes = self._slopes(colour, np.hstack([q, turned_back(R, states[:, 4:])]))
+        return np.hstack([slopes[:, :4], turned(R, slopes[:, 4:])])
 
     def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
         """Return q' and ω' of states by the equations that a colour stands for, (n, 7).

@@ -120,9 +120,12 @@ class Physics:
 
         In each interval the recorded state at the end is compared with that to which the exact flow
         of `base` leads from the recorded start. The error is that of a method with the stated order
-        and timestep. If `intervals` is None, the property is False.
+        and timestep. Differences up to `least` may be rounding in many steps. If `intervals` is
+        None, the property is False.
         """
-        return self.search is not None and self.search.exceed_noise(self.search.unchanged.residuals)
+        if self.search is None or self.is_of_noise:
+            return False
+        return self.search.exceed_noise(self.search.unchanged.residuals)
 
     @cached_property
     def made_by(self) -> str:
