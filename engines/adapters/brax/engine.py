@@ -37,7 +37,10 @@ class BraxSession(WorldSession):
         return WorldBody(float(mass), com, tensor, None if self.world.is_free else np.zeros(3))
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the system."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from the system.
+        """
         system, gravity = self.world.system, np.asarray(self.world.system.gravity, dtype=float)
         right = np.allclose(gravity, self.scenario.gravity_world, rtol=SLACK, atol=0)
         named = {
@@ -71,7 +74,7 @@ class BraxSession(WorldSession):
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
-    """Return the method that uses Brax's pipeline of the same name."""
+    """Return the method `name`, which uses the pipeline that Brax calls by this name."""
     setup = f"state = brax.{name}.pipeline.step(sys, state, act)"
     return Method(name, 1, 1, summary, EFFECTS, as_shipped=as_shipped, setup=setup)
 

@@ -84,5 +84,5 @@ def _turning(spatial: Any, body: Any, context: Any) -> Any:
 
 
 def _gradient(numbers: Any) -> FloatArray:
-    """Return the gradients of n numbers of type `AutoDiffXd`, one a row, (n, 6)."""
+    """Return the derivatives that n numbers of type `AutoDiffXd` hold, one number a row, (n, 6)."""
     return np.asarray(drake.ExtractGradient(numbers.reshape(-1, 1)))

@@ -44,7 +44,7 @@ CLOCK_SLACK = 1e-6
 def _method(
     name: str, order: int, summary: str, effects: frozenset[str] = COMMON_EFFECTS
 ) -> Method:
-    """Return the method that uses one of Exudyn's solvers, named as in `DynamicSolverType`."""
+    """Return the method that uses Exudyn's solver `name`, a member of `DynamicSolverType`."""
     setup = f"""\
 settings = exudyn.SimulationSettings()
 settings.timeIntegration.endTime = duration
@@ -145,7 +145,10 @@ class ExudynSession(WorldSession):
             raise EngineError(self._trouble, "warning")
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the system."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from the system.
+        """
         system = self.world.system
         numbers = system.systemData
         loads = [self._of_load(system.GetLoad(k)) for k in range(numbers.NumberOfLoads())]
@@ -238,7 +241,7 @@ class ExudynSession(WorldSession):
 
 
 def _check_turns(scenario: Scenario, timestep: float) -> None:
-    """Raise `UnsupportedError` if a rotor may turn by more than `MOST_TURN` in a step."""
+    """Raise `UnsupportedError` if a rotor may turn by more than `MOST_TURN`, rad, in a step."""
     omega = float(np.linalg.norm(scenario.start.omega_body))
     fastest = omega + float(np.abs(scenario.rotors.start_spins).max())
     if fastest * timestep > MOST_TURN:

@@ -67,10 +67,10 @@ class PortSession(CoordinateSession):
         """Do nothing: MuJoCo's ports neither warn nor reset the state."""
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the port.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        Passes that the port cannot switch off are left out: they do nothing in a scene that does
-        not need them.
+        Both are read from the port. Passes (parts of a step) that the port cannot switch off are
+        left out: they do nothing in a scene that does not need them.
         """
         names_acting = acting(self._world.model, self._world.data(), self._scenario)
         return names_acting - {FLAG_WORDS[name] for name in self._always_on}

@@ -165,9 +165,9 @@ class MuJoCoSession(CoordinateSession):
         return Fault(first, "clock", reason)
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from MuJoCo.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        "clock" is included if MuJoCo reads a clock while it steps.
+        Both are read from MuJoCo. "clock" is included if MuJoCo reads a clock while it steps.
         """
         clock.hang(self._clock)
         names_acting = acting(self.model, self.data, self._scenario)

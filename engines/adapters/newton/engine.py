@@ -116,7 +116,10 @@ class NewtonSession(WorldSession):
         return import_module(f"{__package__}.tape").Tape(self.world)
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from Newton."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from Newton.
+        """
         world, model, scenario = self.world, self.world.model, self.scenario
         motion, gravity = world.motion(), model.gravity.numpy()[0].astype(float)
         drag = self.scene["drag"]

@@ -78,10 +78,10 @@ class PinocchioSession(WorldSession):
         return along(self.frame.body_from_axes.as_matrix(), rate)
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the model.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        The model does not hold torques and drag, which are passed to `aba` in each step: those of
-        the scene are assumed to act.
+        Both are read from the model, except torques and drag, which it does not hold: they are
+        passed to `aba` in each step, and those of the scene are assumed to act.
         """
         model, scenario = self.world.model, self.scenario
         named = {

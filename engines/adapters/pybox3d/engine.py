@@ -55,9 +55,10 @@ class PyBox3DSession(WorldSession):
         return (tensor + tensor.T) / 2
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the world.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        The world does not report torques: those of the scene are assumed to act.
+        Both are read from the world, except torques, which it does not report: those of the scene
+        are assumed to act.
         """
         world, scenario = self.world.world, self.scenario
         joint, gravity = self.world.joint, self.module.xyz(world.gravity)

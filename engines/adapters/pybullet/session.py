@@ -174,9 +174,10 @@ class PyBulletSession(Session):
         return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else, read from PyBullet or measured.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        The measurements (`what_acts`) change the body's state and PyBullet's settings.
+        Both are read from PyBullet or measured. The measurements (`what_acts`) change the body's
+        state and PyBullet's settings.
         """
         return what_acts(self.advance, self.model, self._scenario)
 

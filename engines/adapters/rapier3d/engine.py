@@ -81,7 +81,10 @@ class Rapier3DSession(WorldSession):
             raise EngineError("Rapier has quarantined the body: not finite", "not-finite")
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from Rapier."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from Rapier.
+        """
         body, world, scenario = self.world.body, self.world.world, self.scenario
         motion = self.world.motion()
         wanted = push(self.scene, matrix(motion[:4]), motion[4:7])
