@@ -54,7 +54,7 @@ class MuJoCoFile(FileEngine):
         return MuJoCoSession(scenario, model)
 
     def at_version(self, version: str) -> Release:
-        """Return a version of MuJoCo, with this engine's method."""
+        """Return what to install for a version of MuJoCo, and this engine's method."""
         return release(version, self.methods)
 
 

@@ -44,7 +44,7 @@ class PortSession(CoordinateSession):
         self._world, self._always_on = world, always_on
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state, with all else as at the start, without compiling again."""
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`)."""
         if timestep is not None:
             self._world.set_timestep(timestep)
         self._world.restart(*self.coordinates(state))

@@ -151,7 +151,7 @@ class NewtonSession(WorldSession):
         return frozenset(acting | stated_effects if is_pushed else acting)
 
     def _damping(self) -> float:
-        """Return the rate at which the solver damps ω of itself, 1/s; 0 if it does not damp it."""
+        """Return the rate of the damping of ω that the solver itself adds, 1/s; 0 if it adds none."""
         model: Any = self.world.model
         if not hasattr(model, "steel"):
             return float(getattr(self.world.solver, "angular_damping", 0.0))
@@ -159,7 +159,7 @@ class NewtonSession(WorldSession):
         return float(model.steel.rigid_body_angular_damping.numpy()[0] * is_free)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield words on each joint that has an armature without being driven, or the reverse."""
+        """Yield a description of each joint that has an armature but no drive, or the reverse."""
         model = self.world.model
         armature, starts = model.joint_armature.numpy(), model.joint_qd_start.numpy()
         if armature[: starts[1]].any():
@@ -175,13 +175,13 @@ def _clean(
 ) -> Method:
     """Return a clean method.
 
-    `solver` is the call that makes Newton's solver, for `Method.setup`.
+    `solver` is Python code, the call that makes Newton's solver; `Method.setup` contains it.
     """
     return Method(name, order, order, summary, effects, setup=SETUP.format(solver))
 
 
 def _mujoco(integrator: str, order: int, summary: str) -> Method:
-    """Return the method that uses one of MuJoCo Warp's integrators, named as in Newton."""
+    """Return the clean method that uses MuJoCo Warp's integrator of a name, given as in Newton."""
     solver = f'MuJoCo(model, integrator="{integrator}", disable_contacts=True)'
     return _clean(f"mujoco-{integrator}", order, f"MuJoCo Warp's {summary}", solver)
 
@@ -240,7 +240,7 @@ class Newton(WorldEngine):
     )
 
     def at_version(self, version: str) -> Release:
-        """Return a version of Newton, with the versions of MuJoCo's packages that it requires."""
+        """Return what to install for a version of Newton, with MuJoCo's packages, and the methods."""
         mujoco = MUJOCO.get(numbers_of(version)[:2], MUJOCO[1, 8])
         parts = f"newton=={version}", f"mujoco=={mujoco}", f"mujoco-warp=={mujoco}"
         return Release((*parts, "warp-lang>=1.17"), self.methods)

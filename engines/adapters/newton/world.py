@@ -38,8 +38,9 @@ def push_bodies(
 ):
     """Write the scene's torque on the first body of each world into `wrench`; a Warp kernel.
 
-    `drag`, N m s, and the torques, N m, are those of the record. `bodies` is the number of bodies
-    in a world. The force in `wrench` is set to zero.
+    `pose` and `twist` are poses and velocities of all bodies. `drag`, N m s, and the torques, N m,
+    are those of the record. `bodies` is the number of bodies in a world. The force in `wrench` is
+    set to zero.
     """
     i = wp.tid() * bodies
     turned = wp.quat_rotate(wp.transform_get_rotation(pose[i]), torque_body)

@@ -56,7 +56,7 @@ class PinocchioSession(WorldSession):
         return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the derivative of dω/dt that Pinocchio computes, under its function's name."""
+        """Return Pinocchio's own derivative of dω/dt; its key is the name of Pinocchio's function."""
         return {"computeABADerivatives": Derivative(self._rate)}
 
     def _rate(self) -> FloatArray:
@@ -94,10 +94,11 @@ class PinocchioSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return names of what the joints may implement, each with whether they do.
+        """Return what the joints may simulate or have wrong, by name, each with whether it is so.
 
-        The names are the effects "pivot", "table" and "rotors", then words on faults of joints.
-        Joints before the body's own are slides, those after it are hinges of rotors.
+        The names are the effects "pivot", "table" and "rotors", then descriptions of possible
+        differences of the joints from the scene. Joints before the body's own are slides, those
+        after it are hinges of rotors.
         """
         world, model = self.world, self.world.model
         kinds = [joint.shortname() for joint in model.joints]
@@ -121,7 +122,7 @@ class PinocchioSession(WorldSession):
 
 @final
 class Pinocchio(WorldEngine):
-    """The engine Pinocchio, with the body on a free-flyer joint, or if held on a spherical one."""
+    """The engine Pinocchio, with the body on a free-flyer joint or, if held, on a spherical one."""
 
     session = PinocchioSession
     name = "pin"

@@ -110,7 +110,7 @@ class World:
         return [self.v[joints[joint].idx_v] if joint else 0.0 for joint in self.rotors]
 
     def advance(self, steps):
-        """Take steps one by one, because Pinocchio has no native loop."""
+        """Take `steps` steps one by one, because Pinocchio has no native loop."""
         for _ in range(steps):
             self.step()
 

@@ -167,7 +167,7 @@ class PyBullet(Engine):
         return (SHAPE, MOTOR) if representation.hangs(scenario) else (SHAPE,)
 
     def at_version(self, version: str) -> Release:
-        """Return a version of PyBullet, with the same methods."""
+        """Return what to install for a version of PyBullet, and the methods, which are the same."""
         return release(version, self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
@@ -181,7 +181,7 @@ class PyBullet(Engine):
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """Return a version of PyBullet, with the packages to install.
+    """Return what to install for a version of PyBullet, and the given methods, which it has.
 
     Versions up to 3.2.6 need numpy 1.
     """

@@ -37,7 +37,7 @@ p.changeConstraint(tie, maxForce=1e100)"""
 
 
 def setup(representation: BodyRepresentation) -> str:
-    """Return the lines by which users load a URDF of their own in the way of a method."""
+    """Return lines of Python by which users load their own URDF as a method loads a scene's."""
     maximal = ", useMaximalCoordinates=True" if representation.maximal else ""
     holding = CONTACT if representation.by_contact else JOINT if representation.hung else TIE
     return f"""\

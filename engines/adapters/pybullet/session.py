@@ -84,8 +84,9 @@ class PyBulletSession(Session):
         return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state, even to one off the pivot if a constraint holds the body.
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`).
 
+        A body that a constraint holds may be set to a state in which it is off its pivot.
         `UnsupportedError` is raised if the pivot of a body in maximal coordinates cannot bear the
         load in that state, `EngineError` if PyBullet is interrupted.
         """

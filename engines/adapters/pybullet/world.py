@@ -141,7 +141,7 @@ class World:
         p.changeDynamics(self.body, link, physicsClientId=self.client, **numbers)
 
     def take_away_damping(self):
-        """Set linear and angular damping to 0 for all links; PyBullet keeps both with the base."""
+        """Set linear and angular damping to 0 for all links; PyBullet stores them with the base."""
         self.change(BASE, linearDamping=0, angularDamping=0)
 
     def set_motor(self, gain):
