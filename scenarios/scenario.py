@@ -64,7 +64,7 @@ class Scenario:
 
     @cached_property
     def judged_digest(self) -> str:
-        """SHA-256, hexadecimal, of all that verdicts depend on: also `expect` and `known`."""
+        """SHA-256, hexadecimal, of all that verdicts depend on: `expect` and `known` included."""
         return self._digest("body", "rotors", "start", "effects", "window", "expect", "known")
 
     def _digest(self, *tables: str) -> str:
@@ -111,9 +111,9 @@ class Scenario:
 
     @cached_property
     def answer(self) -> Answer | None:
-        """The function `Effect.answer` of the constraint that holds the body.
+        """The function that adds the force of a table to torque and acceleration (`Effect.answer`).
 
-        It is None for a pivot, which needs none, and for a free body.
+        It is None for a free body, and for a body on a pivot.
         """
         return next((one.answer for one in self.acting if one.answer is not None), None)
 

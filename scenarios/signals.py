@@ -129,7 +129,7 @@ def _speed(scene: Scene, exact: Trajectory) -> float:
 
 
 def _fastest(_: Scene, exact: Trajectory) -> float:
-    """Return the larger of the largest norm of the rotors' spins and the largest |ω|, rad/s."""
+    """Return the larger of two largest values, rad/s: of |ω| and of the norm of the rotors' spins."""
     return max(_longest(exact.spins), _longest(exact.omega_body))
 
 

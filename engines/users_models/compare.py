@@ -75,7 +75,7 @@ def _relative(value: float, size: float) -> float:
 
 
 def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
-    """Return the smallest rotation that takes the principal axes of one tensor to the other's, rad.
+    """Return the angle of the smallest rotation from one tensor's principal axes to another's, rad.
 
     Axes are paired by the order of their moments. Where two moments of either tensor are equal,
     their axes may be chosen freely, and only the third axis is compared; 0 is returned if no axis
@@ -206,7 +206,7 @@ def _of_tensor(
 
 
 def _why(problems: tuple[FileProblem, ...]) -> str:
-    """Return words for the first fault that makes a body impossible; empty if there is none.
+    """Return a text on the first fault that makes a body impossible; empty if there is none.
 
     The rule comes before the numbers, for example ": no body has it, 0.3 + 0.1 < 0.9".
     """

@@ -88,7 +88,7 @@ def gyroscopic_rate(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    """Yield each rotor's distance from the body's origin, and bounds on its momentum and energy.
+    """Yield each rotor's distance from the body's origin, m, bounds on its momentum and its energy.
 
     With C its moment about its axle and s its spin, the bounds are C (|s| + ‖ω‖), kg m²/s, and
     C (|s| + ‖ω‖)², J, both at t = 0.

@@ -151,7 +151,7 @@ class NewtonSession(WorldSession):
         return frozenset(acting | stated_effects if is_pushed else acting)
 
     def _damping(self) -> float:
-        """Return the rate of the damping of ω that the solver itself adds, 1/s; 0 if it adds none."""
+        """Return the rate at which the solver itself damps ω, 1/s; 0 if it does not damp it."""
         model: Any = self.world.model
         if not hasattr(model, "steel"):
             return float(getattr(self.world.solver, "angular_damping", 0.0))
@@ -240,7 +240,10 @@ class Newton(WorldEngine):
     )
 
     def at_version(self, version: str) -> Release:
-        """Return what to install for a version of Newton, with MuJoCo's packages, and the methods."""
+        """Return what to install for a version of Newton, and the methods.
+
+        MuJoCo's packages are installed in the versions that Newton requires.
+        """
         mujoco = MUJOCO.get(numbers_of(version)[:2], MUJOCO[1, 8])
         parts = f"newton=={version}", f"mujoco=={mujoco}", f"mujoco-warp=={mujoco}"
         return Release((*parts, "warp-lang>=1.17"), self.methods)

@@ -56,7 +56,7 @@ class PinocchioSession(WorldSession):
         return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return Pinocchio's own derivative of dω/dt; its key is the name of Pinocchio's function."""
+        """Return Pinocchio's own derivative of dω/dt; its key is the name of the function."""
         return {"computeABADerivatives": Derivative(self._rate)}
 
     def _rate(self) -> FloatArray:
@@ -122,7 +122,7 @@ class PinocchioSession(WorldSession):
 
 @final
 class Pinocchio(WorldEngine):
-    """The engine Pinocchio, with the body on a free-flyer joint or, if held, on a spherical one."""
+    """The engine Pinocchio: a free body on a free-flyer joint, a held one on a spherical joint."""
 
     session = PinocchioSession
     name = "pin"
