@@ -129,7 +129,7 @@ def _speed(scene: Scene, exact: Trajectory) -> float:
 
 
 def _fastest(_: Scene, exact: Trajectory) -> float:
-    """Return the larger of two largest values, rad/s: of |ω| and of the norm of the rotors' spins."""
+    """Return the larger of two maxima over the motion, rad/s: |ω| and the norm of the spins."""
     return max(_longest(exact.spins), _longest(exact.omega_body))
 
 
