@@ -176,7 +176,7 @@ def armature(rotor: Rotor) -> float:
 
 
 def _add_inertia(element: ET.Element, body: Body, description: Description = PLAIN) -> None:
-    """Add a body's inertia to an element: an `inertial`, or for `Description.shape` a uniform box."""
+    """Add a body's inertia to an element: `inertial`, or, for `Description.shape`, a box."""
     frame = principal_frame(body)
     pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
     if description.joint == "aligned":

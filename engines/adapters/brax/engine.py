@@ -28,7 +28,10 @@ class BraxSession(WorldSession):
     """A session of one body in a Brax system of its own, with the body's origin at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the system holds it, in the record's axes; the joint is the origin."""
+        """Return the body as the system holds it: mass, com, tensor and the held point.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         inertia = self.world.system.link.inertia
         mass, com, tensor = (
             np.asarray(one[0], dtype=float)

@@ -217,7 +217,7 @@ class World:
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with `q`, `omega`, … as in a record, and the timestep, s.
+        """Set another motion, a dict with keys of a scene record, and the timestep, s.
 
         Nothing of earlier steps is left.
         """
@@ -245,7 +245,7 @@ class World:
     def motion(self):
         """Return the present state as one array, (13,), in world axes.
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, and its velocity, m/s.
+        It has attitude (w x y z), ω (rad/s), com (m) and velocity of the com (m/s).
         """
         return self.motion_of(self.state)
 

@@ -31,7 +31,10 @@ class DartSession(WorldSession):
     """A session of one body in a DART world of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as DART holds it, with the joint as origin, in the record's axes."""
+        """Return the body as DART holds it: mass, com, tensor, held point and rotors.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         inertia = self.world.body.getInertia()
         arm = None if self.world.is_free else np.zeros(3)
         mass = inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment())

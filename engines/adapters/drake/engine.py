@@ -72,7 +72,10 @@ class DrakeSession(WorldSession):
         super().restart(state, timestep)
 
     def world_body(self) -> WorldBody:
-        """Return the body as Drake holds it, with the joint as origin, in the record's axes."""
+        """Return the body as Drake holds it: mass, com, tensor, held point and rotors.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         arm = None if self.world.is_free else np.zeros(3)
         return WorldBody(
             *self._mass_of(self.world.body),

@@ -62,9 +62,10 @@ class ExudynSession(WorldSession):
     """
 
     def world_body(self) -> WorldBody:
-        """Return the body as Exudyn holds it, with the node as origin, in the record's axes.
+        """Return the body as Exudyn holds it: mass, com, tensor, held point and rotors.
 
-        The com is read from the marker at which gravity acts.
+        The origin is the node; axes are those of the scene record. The com is read from the marker
+        at which gravity acts.
         """
         system, R_axes_node = self.world.system, self.world.R_axes_node
         com = R_axes_node @ system.GetMarker(self.world.com)["localPosition"]

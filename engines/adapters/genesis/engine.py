@@ -39,7 +39,10 @@ class GenesisSession(WorldSession):
     """A session of one body in a Genesis scene of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, in the record's axes; the joint is the origin."""
+        """Return the body as the solver holds it: mass, com, tensor and the held point.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         links = self.world.solver.dyn_info.links
         mass, com, tensor, q = (
             getattr(links, f"inertial_{name}").to_numpy()[-1].astype(float)

@@ -53,7 +53,10 @@ class NewtonSession(WorldSession):
     """A session of one body in a Newton model of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, in the record's axes; the joint is the origin."""
+        """Return the body as the solver holds it: mass, com, tensor, held point and rotors.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         arm = None if self.scene["arm"] is None else np.zeros(3)
         first, *others = self._bodies()
         rotors = zip(others, self.world.model.joint_type.numpy()[1:], strict=True)

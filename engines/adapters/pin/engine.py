@@ -33,7 +33,10 @@ class PinocchioSession(WorldSession):
     """
 
     def world_body(self) -> WorldBody:
-        """Return the body as the model holds it, with the joint as origin, in the record's axes."""
+        """Return the body as the model holds it: mass, com, tensor, held point and rotors.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         inertia = self.world.model.inertias[self.world.joint]
         arm = None if self.world.is_free else np.zeros(3)
         rotors = [self._rotor(joint) for joint in self.world.rotors]

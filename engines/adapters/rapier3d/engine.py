@@ -36,9 +36,10 @@ class Rapier3DSession(WorldSession):
     """A session of one body in a Rapier world; the body's origin is its com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as Rapier holds it, in the record's axes and with the com as origin.
+        """Return the body as Rapier holds it: mass, com, tensor, held point and rotors.
 
-        The point where the body is held is read from the anchor of its joint.
+        The origin is the com; axes are those of the scene record. The point where the body is held
+        is read from the anchor of its joint.
         """
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.data.local_anchor2)
