@@ -118,7 +118,10 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def _opened(name: str, flags: int) -> int:
-    """Open a regular file without waiting; return its descriptor, or raise `OSError`."""
+    """Open a regular file with flags of `os.open`, without waiting; return its descriptor.
+
+    `OSError` is raised if it cannot be opened or is not a regular file.
+    """
     descriptor = os.open(name, flags | _AT_ONCE)
     try:
         _check(os.fstat(descriptor).st_mode, name)

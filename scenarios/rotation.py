@@ -67,7 +67,10 @@ def conjugate(q_wxyz: FloatArray) -> FloatArray:
 
 
 def times(q_wxyz: FloatArray) -> FloatArray:
-    """Return the matrix M, (4, 4), with p M = p q for every quaternion p as a row; scalar first."""
+    """Return the matrix M, (4, 4), of a quaternion q, with p M = p q for every quaternion p.
+
+    In p M the quaternion p is a row. Scalars come first.
+    """
     w, x, y, z = q_wxyz
     return np.array([[w, x, y, z], [-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
 

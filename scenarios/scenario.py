@@ -348,7 +348,7 @@ def started_at(
 
 
 def _start(document: Document, carrier: Body, rotors: Rotors) -> Start:
-    """Return the state at t = 0 of a body with its rotors."""
+    """Return the state at t = 0 of a body, `carrier`, with its rotors."""
     return start_of(document.start, _constraint(document, whole(carrier, rotors)))
 
 

@@ -8,7 +8,7 @@ from .read_back import EngineError
 
 
 def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[frozenset[str], str]:
-    """Audit a session whose run has ended.
+    """Audit a session whose run has ended as `sampled` says.
 
     Returns
     -------

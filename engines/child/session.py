@@ -115,7 +115,7 @@ class ChildSession(Session):
         return self._frame.states(np.array(snapshots, dtype=float))
 
     def check(self) -> None:
-        """Do nothing: a child reports trouble in its answers, for which every call raises."""
+        """Do nothing: a child reports trouble by an answer, and the call that gets it raises."""
 
     def active(self) -> frozenset[str]:
         """Return the names of what the child reports as acting on the body."""

@@ -182,6 +182,8 @@ def _of_tensor(
 ) -> tuple[str, str]:
     """Return why an engine's tensor is not the file's, in a word and a sentence; see `cause`.
 
+    Parameters not listed are those of `cause`.
+
     Parameters
     ----------
     got : the engine's tensor about the com, kg m², (3, 3)
@@ -218,7 +220,7 @@ def _why(problems: tuple[FileProblem, ...]) -> str:
 
 
 def _size(stated: FloatArray, got: FloatArray, apart: BodyDifference) -> str:
-    """Return, in words, by how much an engine's tensor differs from the file's."""
+    """Return, in words, by how much a tensor `got` differs from the file's; `apart` has numbers."""
     total = float(np.trace(stated))
     ratio = float(np.trace(got)) / total if total > 0 else 0.0
     if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:

@@ -216,7 +216,8 @@ class ExudynSession(WorldSession):
     def _of_load(self, found: Any) -> str:
         """Return the name of the effect that a load implements, or else a description of the load.
 
-        A load implements an effect if it is of the right kind and its vector is the scene's.
+        `found` is Exudyn's dict of the load. A load implements an effect if it is of the right kind
+        and its vector is the scene's.
         """
         vector, scene, system = np.array(found["loadVector"]), self.scene, self.world.system
         if found["loadType"] == "ForceVector":
@@ -229,7 +230,10 @@ class ExudynSession(WorldSession):
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
     def _of_damper(self, found: Any) -> str:
-        """Return "drag" if a connector is exactly the scene's drag, else a description of it."""
+        """Return "drag" if a connector is exactly the scene's drag, else a description of it.
+
+        `found` is Exudyn's dict of the connector.
+        """
         damping = np.diag(found["damping"])
         # A node's rotational coordinates come last, but `damped_by` takes them first.
         (name,) = self.damped_by(np.roll(damping, 3).tolist())

@@ -137,7 +137,10 @@ class World:
         return motion
 
     def motions(self, worlds):
-        """Return a list of the states of the worlds with given indices, each as from `motion`."""
+        """Return the states of the worlds with given indices, as a list of arrays.
+
+        Each array has the numbers that `motion` returns.
+        """
         q, qd = (
             numbers.numpy().astype(float)
             for numbers in (self.solver.get_qpos(), self.solver.get_dofs_velocity())
@@ -150,8 +153,7 @@ class World:
         Parameters
         ----------
         scene : the record of the world's scene
-        q : coordinates of the body's joint, as in `coordinates`
-        qd : velocities of this joint, as in `coordinates`
+        q, qd : coordinates and velocities of the body's joint, as `coordinates` returns them
         """
         R = matrix(q[-4:])
         omega = R @ qd[-3:]

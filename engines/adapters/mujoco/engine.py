@@ -267,7 +267,8 @@ def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
 def _model(scenario: Scenario, method: Method, description: Description) -> Any:
     """Return the compiled model of a scene, with every pass (part of a step) on.
 
-    It is cached: callers must copy it before they change it.
+    The body is written as `description` says. The model is cached: callers must copy it before they
+    change it.
     """
     if description.urdf:
         return compiled(lambda: _of_urdf(scenario, description))
@@ -281,7 +282,8 @@ def _model(scenario: Scenario, method: Method, description: Description) -> Any:
 def _of_urdf(scenario: Scenario, description: Description) -> Any:
     """Return the compiled model of a scene's URDF, with additions that URDF cannot state.
 
-    The additions are the free joint of a free body, and the armatures of driven rotors.
+    The body is written as `description` says. The additions are the free joint of a free body, and
+    the armatures of driven rotors.
     """
     spec = spec_of_urdf(urdf(scenario, READER_ROUNDOFF, description=description))
     if scenario.constraint.is_free:
@@ -295,7 +297,10 @@ def _of_urdf(scenario: Scenario, description: Description) -> Any:
 def _text(
     scenario: Scenario, timestep: float, method: Method, description: Description = PLAIN
 ) -> str:
-    """Return the MJCF of a scene, in which no pass (part of a step) is switched off."""
+    """Return the MJCF of a scene, in which no pass (part of a step) is switched off.
+
+    The body is written as `description` says.
+    """
     alone = _alone(scenario, method)
     text = mjcf(alone, timestep, _integrator(method), switched_off(alone), description)
     return with_contact(text, scenario) if _is_by_contact(method) else text

@@ -60,7 +60,7 @@ class MuJoCoFile(FileEngine):
 
 @lru_cache(maxsize=KEPT)
 def _model(users: UsersLink) -> Any:
-    """Return the compiled model of a link; it is cached, since all timesteps need the same one."""
+    """Return the compiled model of a user's link; it is cached, as all timesteps need the same."""
     return compiled(lambda: (_of_urdf if users.model.format == "urdf" else _of_mjcf)(users))
 
 

@@ -199,7 +199,10 @@ class World:
         return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
 
     def motions(self, worlds):
-        """Return a list of the states of the worlds with given indices, each as from `motion`."""
+        """Return the states of the worlds with given indices, as a list of arrays.
+
+        Each array has the numbers that `motion` returns.
+        """
         return [self.motion(world) for world in worlds]
 
     def push(self, state):

@@ -59,7 +59,7 @@ class PinocchioSession(WorldSession):
         return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return Pinocchio's own derivative of dω/dt; its key is the name of the function."""
+        """Return the derivative of dω/dt by `computeABADerivatives`; this name is its key."""
         return {"computeABADerivatives": Derivative(self._rate)}
 
     def _rate(self) -> FloatArray:

@@ -158,8 +158,8 @@ class PyBullet(Engine):
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """Return the names of the parts that are left out: collision shape, and idle joint motor.
 
-        The motor is named only if a joint holds the body. A method as shipped, or by contact,
-        leaves out neither.
+        The motor is named only if a joint holds the body. A method as shipped, or one
+        that holds the body on a table by a contact, leaves out neither.
         """
         representation = REPRESENTATIONS[method.name]
         if representation.as_shipped or representation.by_contact:

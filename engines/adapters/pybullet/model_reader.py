@@ -69,7 +69,10 @@ class PyBulletModelReader(ModelReader):
 
 
 def _load(client: int, file: str, flags: int) -> int | None:
-    """Load a file; return PyBullet's number of the body, or None if PyBullet refuses the file."""
+    """Load a file; return PyBullet's number of the body, or None if PyBullet refuses the file.
+
+    `client` is PyBullet's number of the world; `flags` are those of `loadURDF`.
+    """
     try:
         return int(p.loadURDF(file, flags=flags, physicsClientId=client))
     except p.error:
