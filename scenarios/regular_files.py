@@ -41,7 +41,8 @@ def read_regular(path: Path, limit: int) -> bytes:
 def is_own(folder: Path) -> bool:
     """Whether a folder is this user's or root's and not writable by all; true if it is missing.
 
-    Write access of its group, or by access-control lists, is not examined. True on Windows.
+    Write access of its group, or by access-control lists, is not examined. It is always true on
+    Windows.
     """
     try:
         found = folder.stat()

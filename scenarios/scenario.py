@@ -190,7 +190,7 @@ class Scenario:
         return self.rotors.spins(omega_body, kept)
 
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Return sizes of forces, N, and torques, N m, that cancel each other, (n,) each.
+        """Return sizes of inertial forces, N, and torques, N m, that cancel each other, (n,) each.
 
         They arise in coordinates that turn with the rotors. An engine that uses such coordinates
         makes rounding errors in proportion to these sizes; the formulas are in `Rotors.cancelling`.

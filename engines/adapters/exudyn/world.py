@@ -117,7 +117,7 @@ class World:
         self.container.Reset()
 
     def assemble(self, scene):
-        """Add the record's body to the system, with constraints, loads, damper and rotors."""
+        """Add the body of a scene record to the system, with its constraints, loads and rotors."""
         system, R = self.system, self.R_axes_node
         lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the node to the com
         about_node = scene["mass"] * (lever @ lever * np.eye(3) - np.outer(lever, lever))

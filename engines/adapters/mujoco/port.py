@@ -112,7 +112,7 @@ class PortBatch(WorldBatch):
 def left_in(
     scenario: Scenario, integrator: str | None, always_on: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """Return MuJoCo's names of the parts of a step that stay on without need.
+    """Return MuJoCo's names of the parts of a step that stay on though the scene needs none.
 
     Parameters
     ----------

@@ -184,7 +184,7 @@ def _clean(
 
 
 def _mujoco(integrator: str, order: int, summary: str) -> Method:
-    """Return the clean method that uses MuJoCo Warp's integrator of a name, given as in Newton."""
+    """Return the clean method that uses one of MuJoCo Warp's integrators, by its name in Newton."""
     solver = f'MuJoCo(model, integrator="{integrator}", disable_contacts=True)'
     return _clean(f"mujoco-{integrator}", order, f"MuJoCo Warp's {summary}", solver)
 
