@@ -64,7 +64,7 @@ class Rotor:
         return add(isotropic, self.about_axis(self.along - self.across))
 
     def about_axis(self, moment: mpf) -> Tensor:
-        """Return the tensor of a moment about the rotor's axis alone, moment · u uᵀ, kg m²."""
+        """Return the tensor of a moment about the rotor's axis u alone, moment · u uᵀ, kg m²."""
         with mp.workdps(DIGITS):
             u, v, w = self.axis
             return (
@@ -113,7 +113,7 @@ class Rotors:
 
     @cached_property
     def axial_body(self) -> FloatArray:
-        """Axis times moment about it of each rotor, kg m², body axes, (rotors, 3).
+        """Each rotor's axis times its moment about the axis, kg m², body axes, (rotors, 3).
 
         It is zero for a locked rotor. Multiplied by the rotor's spin it is what the spin adds to
         the angular momentum L.

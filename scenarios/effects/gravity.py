@@ -42,9 +42,9 @@ def swing_rate(scenario: Scene) -> float:
     """Return √(m g l / I), the rate of a small swing under gravity, rad/s.
 
     It is 0 for a free body, and for a body that is held at its com. l is the length of the lever,
-    from the held point to the com. I is the least moment about an
-    axis across the lever, as gravity's torque is across the lever: a needle that hangs by its end
-    swings slowly, however small its moment about its length.
+    from the held point to the com. I is the least moment about an axis across the lever, as
+    gravity's torque is across the lever: a needle that hangs by its end swings slowly, however
+    small its moment about its length.
     """
     lever = scenario.constraint.lever
     arm = float(np.linalg.norm(lever))
