@@ -147,7 +147,8 @@ class Rotors:
         Parameters
         ----------
         omega_body : ω in n states, rad/s, body axes, (n, 3)
-        kept : what `Rotors.kept` returns, kg m²/s, (n, rotors) or (rotors,)
+        kept : each rotor's constant angular momentum about its axle, from `Rotors.kept`, kg m²/s,
+            (n, rotors) or (rotors,)
         """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
@@ -160,7 +161,8 @@ class Rotors:
 
         Parameters
         ----------
-        kept : what `Rotors.kept` returns, kg m²/s, (n, rotors) or (rotors,)
+        kept : each rotor's constant angular momentum about its axle, from `Rotors.kept`, kg m²/s,
+            (n, rotors) or (rotors,)
         """
         return np.asarray(kept @ self.axes_body)
 

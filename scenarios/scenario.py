@@ -224,7 +224,10 @@ class Scenario:
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """`inertia_exact` as doubles, kg m², body axes, (3, 3)."""
+        """Inertia tensor about the pivot, or the com where there is none, kg m², body axes, (3, 3).
+
+        The moments of rotors on free hinges about their axles are left out.
+        """
         return read_only(self.inertia_exact)
 
     @cached_property

@@ -100,7 +100,7 @@ class ChildSession(Session):
         """Take the steps that are due, and return the state that the child answers.
 
         The state is one list of the numbers `q`, `omega`, `com`, `velocity` and `spins` of a
-        record; None stands for a number that is not finite.
+        scene record; None stands for a number that is not finite.
         """
         while self._left:
             steps = min(MOST_STEPS_A_CALL, self._left)

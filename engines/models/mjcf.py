@@ -72,8 +72,8 @@ def mjcf(
     ----------
     timestep : s
     integrator : MuJoCo's name of the integrator; None for MuJoCo's default
-    left_in : those of the names that `switched_off` returns whose parts of a step stay on; the
-        other parts that the scene does not need are switched off
+    left_in : MuJoCo's names of parts of a step that stay on although the scene does not need them;
+        all others of the names that `switched_off` returns are switched off
     description : how the body is written into the model
     """
     root = ET.Element("mujoco", model=scenario.name)

@@ -220,7 +220,10 @@ def _why(problems: tuple[FileProblem, ...]) -> str:
 
 
 def _size(stated: FloatArray, got: FloatArray, apart: BodyDifference) -> str:
-    """Return, in words, by how much a tensor `got` differs from the file's; `apart` has numbers."""
+    """Return, in words, by how much a tensor `got` differs from the file's, `stated`.
+
+    `apart` has how far the bodies are apart, as numbers.
+    """
     total = float(np.trace(stated))
     ratio = float(np.trace(got)) / total if total > 0 else 0.0
     if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:

@@ -101,7 +101,7 @@ def _of_mjcf(body: BodyReading) -> dict[str, str]:
 
 
 def _entries(body: BodyReading) -> dict[str, float]:
-    """Return the entries of the tensor about the com, kg m², in MJCF's order, by name, as "xy"."""
+    """Return the entries of the tensor about the com, kg m², in MJCF's order, by names as "xy"."""
     tensor = body.inertia_com
     order = ("xx", "yy", "zz", "xy", "xz", "yz")
     return {axes: float(tensor["xyz".index(axes[0]), "xyz".index(axes[1])]) for axes in order}

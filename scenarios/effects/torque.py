@@ -40,7 +40,7 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield a bound on ‖ω‖, rad/s, that the torque can lead to from rest within the time span.
+    """Yield a bound on the ‖ω‖, rad/s, to which the torque can lead from rest in the time span.
 
     Effects that slow the body lower it.
     """

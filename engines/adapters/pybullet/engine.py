@@ -139,7 +139,7 @@ class PyBullet(Engine):
         """Open a scene with unneeded parts left in, with given defaults, or another description.
 
         `Engine.open_with` describes the parameters. A body that is described by its shape is a
-        collision box, from which PyBullet computes the inertia: only this default is then kept. The
+        collision box, from which PyBullet computes the inertia: no other default is then kept. The
         errors are those of `open`, but the load on the pivot is not checked.
         """
         representation = REPRESENTATIONS[method.name]

@@ -193,7 +193,7 @@ class World:
         p.changeConstraint(constraint, maxForce=UNREACHED, physicsClientId=client)
 
     def lay_under(self):
-        """Put a plane without friction and restitution under the body, at height `plane`.
+        """Put a plane without friction and restitution under the body, at the record's height.
 
         The depth of contacts that Bullet leaves uncorrected, 1e-5 m by default, is set to 0,
         because the error by it does not vanish with the timestep.
@@ -220,8 +220,8 @@ class World:
     def set_moving(self, motion):
         """Set velocities, spins and the coordinates of joints to those of a motion.
 
-        The pose of a base is left as it is. `motion` has the last group of keys of the record, or
-        is the whole record, for the start.
+        The pose of a base is left as it is. `motion` has the keys `turn`, `omega`, `place`,
+        `velocity` and `spins` of the record, or is the whole record, for the start.
         """
         place, velocity, omega = motion["place"], motion["velocity"], motion["omega"]
         if self.link == BASE:
