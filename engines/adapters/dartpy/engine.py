@@ -62,10 +62,11 @@ class DartSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return what joints and bodies may simulate, by name, each with whether they do.
+        """Return effects and faults that the joints may have, by name, each with whether it is there.
 
-        The names are the effects "pivot", "table" and "rotors", and "other bodies". A description
-        of each way in which a rotor's joint differs from the scene is added, with the value true.
+        The names are the effects "pivot", "table" and "rotors", and the fault "other bodies". A
+        description of each way in which a rotor's joint differs from the scene is added, with the
+        value true.
         """
         slide, rotors = self.world.slide, self.world.rotors
         count = self.world.skeleton.getNumBodyNodes()

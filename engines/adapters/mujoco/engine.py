@@ -54,7 +54,7 @@ SHIPPED = "default"
 
 
 def setup(integrator: str) -> str:
-    """Return the lines of MJCF, and those of Python instead, by which users choose an integrator.
+    """Return the lines, in MJCF and alternatively in Python, by which users choose an integrator.
 
     `integrator` is the integrator's name in MJCF.
     """

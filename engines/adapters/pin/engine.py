@@ -97,10 +97,10 @@ class PinocchioSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return what the joints may simulate or have wrong, by name, each with whether it is so.
+        """Return effects and faults that the joints may have, by name, each with whether it is there.
 
-        The names are the effects "pivot", "table" and "rotors", then descriptions of possible
-        differences of the joints from the scene. Joints before the body's own are slides, those
+        The names are the effects "pivot", "table" and "rotors", then descriptions of ways in which
+        joints may differ from the scene. Joints before the body's own are slides, those
         after it are hinges of rotors.
         """
         world, model = self.world, self.world.model

@@ -111,8 +111,8 @@ class Probe:
         """Return descriptions of a torque, a resistance and a force; empty where the scene's act.
 
         These are the torque at rest, the change of the torque by a slow spin, and the force on the
-        com. Gravity is off, so that the
-        force should be zero; it is not compared along axes along which a joint holds the body.
+        com. Gravity is off, so that the force should be zero; it is not compared along axes along
+        which a joint holds the body.
         """
         torque, force, resistance = "", "", ""
         _, at_rest = self.gains(np.zeros(3))
