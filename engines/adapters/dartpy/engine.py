@@ -62,7 +62,7 @@ class DartSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return effects and faults that the joints may have, by name, each with whether it is there.
+        """Return effects and faults that joints may have, by name, each with whether it is there.
 
         The names are the effects "pivot", "table" and "rotors", and the fault "other bodies". A
         description of each way in which a rotor's joint differs from the scene is added, with the

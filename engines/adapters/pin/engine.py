@@ -97,7 +97,7 @@ class PinocchioSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return effects and faults that the joints may have, by name, each with whether it is there.
+        """Return effects and faults that joints may have, by name, each with whether it is there.
 
         The names are the effects "pivot", "table" and "rotors", then descriptions of ways in which
         joints may differ from the scene. Joints before the body's own are slides, those
