@@ -172,9 +172,10 @@ class Rotors:
         """Return sizes of inertial forces, N, and torques, N m, that cancel each other, (n,) each.
 
         They arise in coordinates that turn with a rotor. An engine that uses such coordinates sums
-        them, with rounding errors in proportion to their sizes: Σ m r s² of the forces and Σ (C + m
-        d r) s² of the torques, with C a rotor's moment about its axle, m its mass, d its distance
-        from the com, and r = d + `far` a bound on its distance from the coordinates' origin.
+        them, with rounding errors in proportion to their sizes: Σ m r s² of the forces and
+        Σ (C + m d r) s² of the torques, with C a rotor's moment about its axle, m its mass, d its
+        distance from the com, and r = d + `far` a bound on its distance from the origin of the
+        coordinates.
 
         Parameters
         ----------
