@@ -79,6 +79,6 @@ def along(R: FloatArray, derivative: FloatArray) -> FloatArray:
 
 
 def _product_matrix(q_wxyz: FloatArray) -> FloatArray:
-    """Return the matrix M, (4, 3), with q (0, v) = M v for every vector v, (3,)."""
+    """Return the matrix M, (4, 3), of a quaternion q, with q (0, v) = M v for every vector v."""
     w, x, y, z = q_wxyz
     return np.array([[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]])

@@ -110,7 +110,7 @@ class RecordFrame:
         return self.com_body - self.whole_body
 
     def motion(self, state: State) -> dict[str, list[float]]:
-        """Return a state as entries of a record: `q`, `omega`, `com`, `velocity` and `spins`.
+        """Return a state as entries of a scene record: `q`, `omega`, `com`, `velocity` and `spins`.
 
         `spins` is left out if there are no rotors. `q` is the attitude of the record's axes,
         w x y z, and vectors are along world axes. Com and velocity are those of the body without
@@ -219,7 +219,7 @@ def scene_record(scenario: Scenario) -> dict[str, Any]:
 
 
 def _rotor(rotor: Rotor, frame: RecordFrame) -> dict[str, Any]:
-    """Return a rotor's entry in a record, in the axes of the record and from its origin."""
+    """Return a rotor's entry in a scene record, in the record's axes and from its origin."""
     to_axes = frame.body_from_axes.inv()
     axis, place = np.array(rotor.axis, dtype=float), rotor.body.com - frame.com_body
     return {

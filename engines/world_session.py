@@ -52,7 +52,7 @@ class WorldSession(Session):
 
     @abstractmethod
     def world_body(self) -> WorldBody:
-        """Return the body as the engine holds it, with vectors along the axes of the record."""
+        """Return the body as the engine holds it, with vectors along the scene record's axes."""
 
     @property
     def can_restart(self) -> bool:

@@ -79,9 +79,10 @@ class ErrorNorm:
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
         """Return the distances of two motions in each signal, (n, signals), given their tables.
 
-        They are in rad for the attitude, and relative for the other signals. Quaternions q and −q
-        are the same attitude. If the number that a signal's distances are relative to is zero, a
-        distance is 0 where both motions are equal and inf elsewhere.
+        The tables are those that the method `table` returns. Distances are in rad for the attitude,
+        and relative for the other signals. Quaternions q and −q are the same attitude. If the
+        number that a signal's distances are relative to is zero, a distance is 0 where both motions
+        are equal and inf elsewhere.
         """
         apart = table - other
         first = [columns.start for columns in self._columns]
@@ -104,7 +105,7 @@ class ErrorNorm:
     def extrapolated(
         self, coarse: FloatArray, fine: FloatArray, orders: FloatArray | list[int]
     ) -> FloatArray:
-        """Return the table of the limit dt → 0 by Richardson's extrapolation of two tables.
+        """Return the table in the limit dt → 0 that Richardson's extrapolation of two tables gives.
 
         Its quaternions are normalised (Hairer, Nørsett & Wanner I, §II.4).
 

@@ -110,7 +110,8 @@ def body_about_com(mass: float, com: Sequence[float], inertia: Sequence[Sequence
     Raises
     ------
     ValueError
-        If no such body exists, as for `Body`.
+        If no such body exists: its mass or a moment is not positive, or a moment exceeds the sum
+        of the others.
     """
     return Body(mpf(mass), vector(com), _tensor(inertia))
 
@@ -129,7 +130,8 @@ def body_about_origin(
     Raises
     ------
     ValueError
-        If no such body exists, as for `Body`.
+        If no such body exists: its mass or a moment is not positive, or a moment exceeds the sum
+        of the others.
     """
     arm = vector(com)
     return Body(mpf(mass), arm, add(_tensor(inertia), steiner(mpf(mass), arm), sign=-1))
@@ -139,7 +141,7 @@ def body_of_particles(particles: Sequence[Sequence[float]]) -> Body:
     """Return the rigid body of point masses, given as rows of mass, kg, and x, y, z, m.
 
     I_jk = Σ m (r² δ_jk − r_j r_k), summed in extended precision (Goldstein, Classical Mechanics,
-    §5.3). ValueError is raised as by `Body`, for example for particles on one line.
+    §5.3). ValueError is raised if no such body exists, for example for particles on one line.
     """
     with mp.workdps(DIGITS):
         rows = [exact(row) for row in particles]

@@ -36,8 +36,8 @@ def scenario_files(folder: Path) -> list[Path]:
 def hiding_the_library(names: Iterable[str]) -> list[str]:
     """Return a warning for each path in the current folder that hides a part of the library.
 
-    That is a path that one of the names stands for, if the library has a scene or a folder of the
-    same name. The names are those that a user types for scenes and folders of scenes.
+    A path does so if one of `names` stands for it, and the library has a scene or a folder of this
+    name. `names` are those that a user types for scenes and folders of scenes.
     """
     there = {path: name for name in names for path in _of_current_folder(name)}
     known = {one for path in _library() for one in (path.stem, path.parent.name)} if there else ()

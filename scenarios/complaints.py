@@ -84,7 +84,10 @@ def _keys(detail: ErrorDetails) -> Keys:
 
 
 def _without_entries(keys: Keys) -> Keys:
-    """Return a path of keys without trailing indices, except one into an array of tables."""
+    """Return a path of keys without trailing indices, except one into an array of tables.
+
+    For example, ("body", "com", 1) becomes ("body", "com").
+    """
     least = 2 if keys[:1] and keys[0] in _TABLE_ARRAYS else 1
     while len(keys) > least and isinstance(keys[-1], int):
         keys = keys[:-1]

@@ -38,7 +38,7 @@ class Constraint:
 
     @cached_property
     def lever(self) -> FloatArray:
-        """`lever_exact` as doubles, m, body axes, (3,)."""
+        """Vector to the com from the point, or from a free body's origin, m, body axes, (3,)."""
         return read_only(self.lever_exact)
 
     def com_world(self, lever_world: FloatArray, flown_world: FloatArray) -> FloatArray:

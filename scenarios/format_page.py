@@ -130,7 +130,7 @@ def _section(title: str) -> Iterator[str]:
 
 
 def _kind(field: FieldInfo) -> str:
-    """Return words for the values that a key of a table takes: their type and their bounds."""
+    """Return, in words, which values a key of a table takes: their type and their bounds."""
     limits = [
         f" {sign} {limit}"
         for name, sign in (("gt", ">"), ("ge", "≥"), ("le", "≤"))
@@ -141,7 +141,7 @@ def _kind(field: FieldInfo) -> str:
 
 
 def _words(annotation: Any) -> str:
-    """Return words for the values that a type allows."""
+    """Return, in words, which values a type allows."""
     origin, arguments = typing.get_origin(annotation), typing.get_args(annotation)
     if origin is typing.Annotated:
         words = _words(arguments[0])
@@ -160,7 +160,7 @@ def _words(annotation: Any) -> str:
 
 
 def _row(arguments: tuple[Any, ...]) -> str:
-    """Return words for the values that a tuple type allows, given the types of its entries."""
+    """Return, in words, which values a tuple type allows, given the types of its entries."""
     words = [_words(one) for one in arguments if one is not Ellipsis]
     if Ellipsis in arguments:
         return "array of tables" if words == ["table"] else f"list of {words[0]}"

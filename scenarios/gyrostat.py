@@ -64,7 +64,7 @@ class Rotor:
         return add(isotropic, self.about_axis(self.along - self.across))
 
     def about_axis(self, moment: mpf) -> Tensor:
-        """Return the tensor of a moment about the rotor's axis alone, moment · u uᵀ, kg m²."""
+        """Return the tensor of a moment about the rotor's axis u alone, moment · u uᵀ, kg m²."""
         with mp.workdps(DIGITS):
             u, v, w = self.axis
             return (
@@ -113,9 +113,10 @@ class Rotors:
 
     @cached_property
     def axial_body(self) -> FloatArray:
-        """C u of each rotor, kg m², body axes, (rotors, 3); zero for a locked rotor.
+        """Each rotor's axis times its moment about the axis, kg m², body axes, (rotors, 3).
 
-        Multiplied by the rotor's spin it is what the spin adds to the angular momentum L.
+        It is zero for a locked rotor. Multiplied by the rotor's spin it is what the spin adds to
+        the angular momentum L.
         """
         return read_only((self.along * self.is_turning)[:, None] * self.axes_body)
 
@@ -127,7 +128,8 @@ class Rotors:
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).
 
-        It is C (u·ω + s) on a free hinge and C s on any other.
+        It is C (u·ω + s) on a free hinge and C s on any other, with u the unit vector of the axle
+        and C the rotor's moment about it.
 
         Parameters
         ----------
@@ -145,7 +147,8 @@ class Rotors:
         Parameters
         ----------
         omega_body : ω in n states, rad/s, body axes, (n, 3)
-        kept : what `Rotors.kept` returns, kg m²/s, (n, rotors) or (rotors,)
+        kept : each rotor's constant angular momentum about its axle, from `Rotors.kept`, kg m²/s,
+            (n, rotors) or (rotors,)
         """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
@@ -158,19 +161,21 @@ class Rotors:
 
         Parameters
         ----------
-        kept : what `Rotors.kept` returns, kg m²/s, (n, rotors) or (rotors,)
+        kept : each rotor's constant angular momentum about its axle, from `Rotors.kept`, kg m²/s,
+            (n, rotors) or (rotors,)
         """
         return np.asarray(kept @ self.axes_body)
 
     def cancelling(
         self, spins: FloatArray, com_body: FloatArray, far: float = 0.0
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the sizes of forces, N, and torques, N m, that cancel each other, (n,) each.
+        """Return sizes of inertial forces, N, and torques, N m, that cancel each other, (n,) each.
 
         They arise in coordinates that turn with a rotor. An engine that uses such coordinates sums
         them, with rounding errors in proportion to their sizes: Σ m r s² of the forces and
-        Σ (C + m d r) s² of the torques, with m a rotor's mass, d its distance from the com, and
-        r = d + `far` a bound on its distance from the coordinates' origin.
+        Σ (C + m d r) s² of the torques, with C a rotor's moment about its axle, m its mass, d its
+        distance from the com, and r = d + `far` a bound on its distance from the origin of the
+        coordinates.
 
         Parameters
         ----------
@@ -187,9 +192,10 @@ class Rotors:
     def sizes(self, omega_body: FloatArray) -> tuple[FloatArray, float]:
         """Return sizes of the rotors' angular momenta, kg m²/s, (rotors,), and of their energy, J.
 
-        The size of a rotor's angular momentum is C (|s| + |u·ω|) at the start, and the size of the
-        energy is Σ ½ C (|s| + |u·ω|)². A size is zero only if at the start the rotor turns about
-        its axle neither in the body nor together with it.
+        With C a rotor's moment about its axle u and s its spin, both at the start, the size of its
+        angular momentum is C (|s| + |u·ω|), and the size of the energy is Σ ½ C (|s| + |u·ω|)². A
+        size is zero only if at the start the rotor turns about its axle neither in the body nor
+        together with it.
 
         Parameters
         ----------
@@ -200,7 +206,9 @@ class Rotors:
         return kept, float(kept @ (kept / self.along)) / 2
 
     def momentum_body(self, spins: FloatArray) -> FloatArray:
-        """Return Σ C s u, what the rotors' spins add to L, kg m²/s, body axes, (n, 3).
+        """Return what the rotors' spins add to L, kg m²/s, body axes, (n, 3).
+
+        It is Σ C s u, with C the moment of a rotor about its axle and u the axle's unit vector.
 
         Parameters
         ----------
@@ -209,7 +217,9 @@ class Rotors:
         return np.asarray(spins @ self.axial_body)
 
     def energy(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ (C s u·ω + ½ C s²), what the rotors' spins add to the kinetic energy, J, (n,).
+        """Return what the rotors' spins add to the kinetic energy, J, (n,).
+
+        It is Σ (C s u·ω + ½ C s²), with C the moment of a rotor about its axle u, a unit vector.
 
         Parameters
         ----------
@@ -220,7 +230,7 @@ class Rotors:
         return np.asarray((self.along * spins * (turned + spins / 2)).sum(axis=-1))
 
     def work(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
-        """Return Σ C s u·ω of driven rotors, J, (n,).
+        """Return Σ C s u·ω of driven rotors, J, (n,), with C the moment about the axle u.
 
         Its change along a motion is the work of the motors that keep their spins constant.
 

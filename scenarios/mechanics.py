@@ -18,8 +18,8 @@ RECENT = 16
 def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
     """Return L about the pivot, or about the com without one, kg m²/s, (n, 3), read-only.
 
-    L = R (I_com ω + h), with h the angular momentum of rotors, plus m r × v if there is a pivot
-    (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
+    L = R (I_com ω + h), with h the angular momentum of rotors, plus m r × v of the com if there is
+    a pivot (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
     """
     body = scenario.body
     rigid = motion.omega_body @ body.inertia_com
@@ -51,12 +51,15 @@ def potential_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
 
 @lru_cache(maxsize=RECENT)
 def energy(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """Return T + V along a motion, J, (n,), read-only."""
+    """Return kinetic plus potential energy along a motion, J, (n,), read-only."""
     return _readonly(kinetic_energy(scenario, motion) + potential_energy(scenario, motion))
 
 
 def energy_base(scenario: Scene, motion: Trajectory) -> float:
-    """Return the energy that errors of energy are relative to: max T + m |g| max |r_com|, J."""
+    """Return the energy that errors of energy are relative to: max T + m |g| max |r_com|, J.
+
+    T is the kinetic energy, r_com the com's position; maxima are over the samples.
+    """
     height = np.linalg.norm(motion.com_world, axis=1).max()
     weight = scenario.body.mass * np.linalg.norm(scenario.gravity_world)
     return float(kinetic_energy(scenario, motion).max() + weight * height)

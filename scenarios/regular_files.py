@@ -41,7 +41,8 @@ def read_regular(path: Path, limit: int) -> bytes:
 def is_own(folder: Path) -> bool:
     """Whether a folder is this user's or root's and not writable by all; true if it is missing.
 
-    Write access of its group, or by access-control lists, is not examined. True on Windows.
+    Write access of its group, or by access-control lists, is not examined. It is always true on
+    Windows.
     """
     try:
         found = folder.stat()
@@ -118,7 +119,10 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def _opened(name: str, flags: int) -> int:
-    """Open a regular file without waiting; return its descriptor, or raise `OSError`."""
+    """Open a regular file with flags of `os.open`, without waiting; return its descriptor.
+
+    `OSError` is raised if it cannot be opened or is not a regular file.
+    """
     descriptor = os.open(name, flags | _AT_ONCE)
     try:
         _check(os.fstat(descriptor).st_mode, name)

@@ -67,7 +67,10 @@ def conjugate(q_wxyz: FloatArray) -> FloatArray:
 
 
 def times(q_wxyz: FloatArray) -> FloatArray:
-    """Return the matrix M, (4, 4), of a quaternion q, with p q = p M for rows p; scalar first."""
+    """Return the matrix M, (4, 4), of a quaternion q, with p M = p q for every quaternion p.
+
+    In p M the quaternion p is a row. Scalars come first.
+    """
     w, x, y, z = q_wxyz
     return np.array([[w, x, y, z], [-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
 
@@ -87,7 +90,7 @@ def cross(u: FloatArray, v: FloatArray) -> FloatArray:
 
 
 def across(v: FloatArray) -> FloatArray:
-    """Return the matrix M, (3, 3), of a vector v, with u × v = u M for rows u."""
+    """Return the matrix M, (3, 3), with u M = u × v for every vector u as a row."""
     x, y, z = v
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 

@@ -67,7 +67,10 @@ def member(scenario: Scenario, seed: int, number: int) -> Scenario:
 
 
 def _attitude(scenario: Scenario, n: FloatArray) -> Rotation:
-    """Return a scattered attitude, given four standard normals."""
+    """Return an attitude near the scene's, given four standard normals, `n`.
+
+    It is uniformly distributed if no effect of the scene makes a direction special.
+    """
     if not scenario.called_for & _MAKE_A_DIRECTION_SPECIAL:
         # The direction of four normals is uniform on the sphere of unit quaternions.
         return Rotation.from_quat(n)

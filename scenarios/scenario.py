@@ -64,7 +64,7 @@ class Scenario:
 
     @cached_property
     def judged_digest(self) -> str:
-        """SHA-256, hexadecimal, of all that verdicts depend on: also `expect` and `known`."""
+        """SHA-256, hexadecimal, of all that verdicts depend on: `expect` and `known` included."""
         return self._digest("body", "rotors", "start", "effects", "window", "expect", "known")
 
     def _digest(self, *tables: str) -> str:
@@ -111,9 +111,9 @@ class Scenario:
 
     @cached_property
     def answer(self) -> Answer | None:
-        """The function `Effect.answer` of the constraint that holds the body.
+        """The function that adds the force of a table to torque and acceleration (`Effect.answer`).
 
-        It is None for a pivot, which needs none, and for a free body.
+        It is None for a free body, and for a body on a pivot.
         """
         return next((one.answer for one in self.acting if one.answer is not None), None)
 
@@ -190,7 +190,7 @@ class Scenario:
         return self.rotors.spins(omega_body, kept)
 
     def cancelling(self, spins: FloatArray, far: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Return sizes of forces, N, and torques, N m, that cancel each other, (n,) each.
+        """Return sizes of inertial forces, N, and torques, N m, that cancel each other, (n,) each.
 
         They arise in coordinates that turn with the rotors. An engine that uses such coordinates
         makes rounding errors in proportion to these sizes; the formulas are in `Rotors.cancelling`.
@@ -224,7 +224,10 @@ class Scenario:
 
     @cached_property
     def inertia(self) -> FloatArray:
-        """`inertia_exact` as doubles, kg m², body axes, (3, 3)."""
+        """Inertia tensor about the pivot, or the com where there is none, kg m², body axes, (3, 3).
+
+        The moments of rotors on free hinges about their axles are left out.
+        """
         return read_only(self.inertia_exact)
 
     @cached_property
@@ -348,7 +351,7 @@ def started_at(
 
 
 def _start(document: Document, carrier: Body, rotors: Rotors) -> Start:
-    """Return the state at t = 0 of a body with its rotors."""
+    """Return the state at t = 0 of a body, `carrier`, with its rotors."""
     return start_of(document.start, _constraint(document, whole(carrier, rotors)))
 
 

@@ -118,18 +118,24 @@ def radius_of_gyration(scene: Scene) -> float:
 
 
 def _way(scene: Scene, exact: Trajectory) -> float:
-    """Return the com's largest distance from its start or, if larger, the radius of gyration, m."""
+    """Return the com's largest distance from its start or, if larger, the radius of gyration, m.
+
+    The distance is that in the exact motion, `exact`.
+    """
     return max(_longest(exact.com_world - exact.com_world[0]), radius_of_gyration(scene))
 
 
 def _speed(scene: Scene, exact: Trajectory) -> float:
-    """Return the com's largest speed or, if larger, largest |ω| times radius of gyration, m/s."""
+    """Return the com's largest speed or, if larger, largest |ω| times radius of gyration, m/s.
+
+    Both are those of the exact motion, `exact`.
+    """
     turning = radius_of_gyration(scene) * _longest(exact.omega_body)
     return max(_longest(exact.velocity_world), turning)
 
 
 def _fastest(_: Scene, exact: Trajectory) -> float:
-    """Return the larger of the largest norm of the rotors' spins and the largest |ω|, rad/s."""
+    """Return the larger of two maxima over the exact motion, rad/s: |ω| and the norm of spins."""
     return max(_longest(exact.spins), _longest(exact.omega_body))
 
 

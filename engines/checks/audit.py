@@ -8,14 +8,14 @@ from .read_back import EngineError
 
 
 def audit(session: Session, scenario: Scenario, sampled: Sampled) -> tuple[frozenset[str], str]:
-    """Audit a session whose run has ended.
+    """Audit a session whose run has ended as `sampled` says.
 
     Returns
     -------
-    What acted on the body, as returned by `Session.active`, and words on how this differs from the
-    effects that the scene calls for. The words are empty if there is no difference, or if the run
+    What acted on the body, as returned by `Session.active`, and a text on how this differs from the
+    effects that the scene calls for. The text is empty if there is no difference, or if the run
     is not ok. If the run failed or the session cannot be audited, the set is empty; for a run that
-    is ok the words then say why it cannot be audited.
+    is ok the text then says why it cannot be audited.
 
     Raises
     ------

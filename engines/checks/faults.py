@@ -76,7 +76,7 @@ def clamped_turn(speed: float, timestep: float, most: float) -> str:
 def _pivot_faults(states: State, arm_body: FloatArray) -> Iterator[Fault]:
     """Yield a fault for the first state in which the body's pivot has left the world's origin.
 
-    The pivot has left if its distance from the origin is larger than that from the com. `arm_body`
+    The pivot has left if it is further from the origin than from the com. `arm_body`
     is the vector from the pivot to the com, m, body axes, (3,).
     """
     drift = norms(states.com_world - matrices(states.q_world_body_wxyz) @ arm_body)

@@ -237,9 +237,10 @@ def _mistake_of_attitude(wanted_q: FloatArray, got_q: FloatArray, slack: float) 
 
 
 def _mistake_of_axes(scenario: Scenario, got: FloatArray, slack: float) -> str:
-    """Return words that say that ω was read back along wrong axes; empty if it was not.
+    """Return a message if ω was read back in world axes instead of body axes, or the reverse.
 
-    Along wrong axes, components of ω are the scene's, rotated by the attitude or its inverse.
+    The text is empty if it was not. Such a mistake shows as the scene's components of ω rotated by
+    the attitude or its inverse.
 
     Parameters
     ----------

@@ -28,21 +28,21 @@ NEWEST = OLDEST = 1
 
 
 def _protocol(stated: int) -> int:
-    """Return a version of the protocol; raise ValueError if it is not supported."""
+    """Return a version of the protocol unchanged; raise ValueError if it is not supported."""
     if reason := misfit("protocol", stated, OLDEST, NEWEST):
         raise ValueError(reason)
     return stated
 
 
 def _printable(text: str) -> str:
-    """Return a text; raise ValueError if it has characters that cannot be printed."""
+    """Return a text unchanged; raise ValueError if it has characters that cannot be printed."""
     if not text.isprintable():
         raise ValueError("must be printable")
     return text
 
 
 def _effect(name: str) -> str:
-    """Return the name of an effect; raise ValueError if there is no such effect."""
+    """Return `name` unchanged; raise ValueError if it is not the name of an effect."""
     if name not in EFFECTS:
         raise ValueError(f"must be one of {', '.join(EFFECTS)}")
     return name
@@ -66,7 +66,7 @@ UNIT_SLACK = 1e-3
 
 
 def _unit(q_wxyz: Quaternion) -> Quaternion:
-    """Return a quaternion; raise ValueError unless its norm is 1 within `UNIT_SLACK`."""
+    """Return a quaternion unchanged; raise ValueError unless its norm is 1 within `UNIT_SLACK`."""
     if not abs(math.hypot(*q_wxyz) - 1) <= UNIT_SLACK:
         raise ValueError("must be a unit quaternion")
     return q_wxyz
@@ -114,7 +114,7 @@ class Hello(ChildAnswer):
 
     @model_validator(mode="after")
     def _named_once(self) -> Self:
-        """Return the description; raise ValueError if two methods have the same name."""
+        """Return the object itself; raise ValueError if two of its methods have the same name."""
         names = [method.name for method in self.methods]
         if len(set(names)) < len(names):
             raise ValueError("'methods' must have names of their own")

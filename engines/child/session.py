@@ -100,7 +100,7 @@ class ChildSession(Session):
         """Take the steps that are due, and return the state that the child answers.
 
         The state is one list of the numbers `q`, `omega`, `com`, `velocity` and `spins` of a
-        record; None stands for a number that is not finite.
+        scene record; None stands for a number that is not finite.
         """
         while self._left:
             steps = min(MOST_STEPS_A_CALL, self._left)
@@ -115,7 +115,7 @@ class ChildSession(Session):
         return self._frame.states(np.array(snapshots, dtype=float))
 
     def check(self) -> None:
-        """Do nothing: a child reports trouble in its answers, for which every call raises."""
+        """Do nothing: a child reports trouble by an answer, and the call that gets it raises."""
 
     def active(self) -> frozenset[str]:
         """Return the names of what the child reports as acting on the body."""

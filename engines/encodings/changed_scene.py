@@ -231,6 +231,6 @@ class SceneChange:
 
 @lru_cache(maxsize=KEPT)
 def _changed(change: SceneChange, body: Body) -> Body:
-    """Return a body in the axes, origin and units of a changed scene; recent results are kept."""
+    """Return a body in the axes, origin and units of a changed scene; recent results are cached."""
     with mp.workdps(DIGITS):
         return change._body(body)

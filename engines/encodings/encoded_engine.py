@@ -163,7 +163,7 @@ class EncodedSession(Session):
         self._session.restart(self._change.state(state), timestep)
 
     def advance(self, steps: int) -> None:
-        """Take a number of steps."""
+        """Take `steps` steps."""
         self._session.advance(steps)
 
     def record(self, strides: Sequence[int], keep: Callable[[Any], object]) -> None:

@@ -29,7 +29,7 @@ def _none(scenario: Scenario) -> SceneChange:  # noqa: ARG001
 
 @lru_cache(maxsize=KEPT)
 def _scene(change: Callable[[Scenario], SceneChange], scenario: Scenario) -> Scenario:
-    """Return a scene in the axes, origin and units of an encoding; recent results are kept.
+    """Return a scene in the axes, origin and units of an encoding; recent results are cached.
 
     Parameters
     ----------

@@ -72,8 +72,8 @@ def mjcf(
     ----------
     timestep : s
     integrator : MuJoCo's name of the integrator; None for MuJoCo's default
-    left_in : MuJoCo's names of the parts of a step, of those that `switched_off` returns, that stay
-        on although the scene does not need them; the others are switched off
+    left_in : MuJoCo's names of parts of a step that stay on although the scene does not need them;
+        all others of the names that `switched_off` returns are switched off
     description : how the body is written into the model
     """
     root = ET.Element("mujoco", model=scenario.name)
@@ -176,7 +176,7 @@ def armature(rotor: Rotor) -> float:
 
 
 def _add_inertia(element: ET.Element, body: Body, description: Description = PLAIN) -> None:
-    """Add a body's inertia to an element, as `inertial` or as a box of uniform density."""
+    """Add a body's inertia to an element: `inertial`, or, for `Description.shape`, a box."""
     frame = principal_frame(body)
     pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
     if description.joint == "aligned":

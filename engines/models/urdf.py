@@ -137,7 +137,8 @@ def _add_rotor(
     ----------
     number : number of the rotor, from 1
     place : the rotor's com in the frame of the body's link, m
-    thickness, has_box : see `urdf`
+    thickness : relative margin of the triangle inequality (see `urdf`)
+    has_box : whether to add a collision box with the rotor's tensor
     """
     name, body = f"rotor{number}", replace(rotor.body, com_exact=ZERO)
     _add_link(robot, name, body, thickness)
@@ -181,7 +182,7 @@ def _add_box(robot: ET.Element, body: Body, thickness: float) -> None:
 
     Parameters
     ----------
-    thickness : see `urdf`
+    thickness : relative margin of the triangle inequality (see `urdf`)
     """
     frame = principal_frame(body, thickness)
     sides = box_sides(body.mass, frame.moments)

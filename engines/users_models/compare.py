@@ -75,7 +75,7 @@ def _relative(value: float, size: float) -> float:
 
 
 def angle_between_axes(one: FloatArray, other: FloatArray) -> float:
-    """Return the smallest rotation that takes the principal axes of one tensor to the other's, rad.
+    """Return the angle of the smallest rotation from one tensor's principal axes to another's, rad.
 
     Axes are paired by the order of their moments. Where two moments of either tensor are equal,
     their axes may be chosen freely, and only the third axis is compared; 0 is returned if no axis
@@ -182,6 +182,8 @@ def _of_tensor(
 ) -> tuple[str, str]:
     """Return why an engine's tensor is not the file's, in a word and a sentence; see `cause`.
 
+    Parameters not listed are those of `cause`.
+
     Parameters
     ----------
     got : the engine's tensor about the com, kg m², (3, 3)
@@ -206,7 +208,7 @@ def _of_tensor(
 
 
 def _why(problems: tuple[FileProblem, ...]) -> str:
-    """Return words for the first fault that makes a body impossible; empty if there is none.
+    """Return a text on the first fault that makes a body impossible; empty if there is none.
 
     The rule comes before the numbers, for example ": no body has it, 0.3 + 0.1 < 0.9".
     """
@@ -218,7 +220,10 @@ def _why(problems: tuple[FileProblem, ...]) -> str:
 
 
 def _size(stated: FloatArray, got: FloatArray, apart: BodyDifference) -> str:
-    """Return, in words, by how much an engine's tensor differs from the file's."""
+    """Return, in words, by how much a tensor `got` differs from the file's, `stated`.
+
+    `apart` has how far the bodies are apart, as numbers.
+    """
     total = float(np.trace(stated))
     ratio = float(np.trace(got)) / total if total > 0 else 0.0
     if ratio <= 0 or abs(ratio - 1) < NEAR_ONE:

@@ -23,7 +23,8 @@ def elements_of(model: ModelFile) -> dict[Span, Element]:
 def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark: str = "") -> Edits:
     """Return the edits of a file that give a link the mass, com and tensor of a body.
 
-    The tensor is written along the link's axes.
+    An edit is a span of the file, and the bytes that replace it. The tensor is written along the
+    link's axes.
 
     Parameters
     ----------
@@ -100,7 +101,7 @@ def _of_mjcf(body: BodyReading) -> dict[str, str]:
 
 
 def _entries(body: BodyReading) -> dict[str, float]:
-    """Return the entries of the tensor about the com, kg m², in MJCF's order, by name, as "xy"."""
+    """Return the entries of the tensor about the com, kg m², in MJCF's order, by names as "xy"."""
     tensor = body.inertia_com
     order = ("xx", "yy", "zz", "xy", "xz", "yz")
     return {axes: float(tensor["xyz".index(axes[0]), "xyz".index(axes[1])]) for axes in order}
@@ -109,10 +110,11 @@ def _entries(body: BodyReading) -> dict[str, float]:
 def set_attributes(
     data: bytes, element: Element, changes: Mapping[str, str | None]
 ) -> tuple[Span, bytes]:
-    """Return the edit that changes an element's attributes.
+    """Return the edit that changes an element's attributes: a span, and the bytes that replace it.
 
     Parameters
     ----------
+    data : the bytes of the file
     changes : new values, by the names of the attributes. An attribute that the element lacks is
         added; None removes an attribute. Values are written without escaping
     """

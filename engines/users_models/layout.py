@@ -44,7 +44,7 @@ def laid_out(
 
 
 def _named(model: ModelFile) -> dict[str, bytes]:
-    """Return the contents of the files that the model's checked text names, by those names.
+    """Return the contents of the files that `ModelFile.checked` names, by the names in that text.
 
     Meshes that are not in the model's folders are left out.
     """

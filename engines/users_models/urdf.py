@@ -244,7 +244,7 @@ def body_alone(
 
 
 def edited(data: bytes, edits: Edits) -> bytes:
-    """Return a file's bytes after edits; the spans of the edits must not overlap."""
+    """Return a file's bytes with spans of it replaced, as edits state; spans must not overlap."""
     parts, at = [], 0
     for (start, end), new in sorted(edits):
         parts += [data[at:start], new]
@@ -278,8 +278,9 @@ def _edits(
 ) -> tuple[Edits, dict[str, bytes]]:
     """Return edits of the shapes of some links, and the contents of meshes by their new names.
 
-    The edits write new names for the meshes of wanted collision shapes. They remove all visual
-    shapes, and collision shapes with any other mesh.
+    An edit is a span of the file, and the bytes that replace it. The edits write new names for the
+    meshes of wanted collision shapes. They remove all visual shapes, and collision shapes with any
+    other mesh.
 
     Parameters
     ----------

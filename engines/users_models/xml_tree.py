@@ -177,7 +177,7 @@ class Element:
 
 
 def _why(part: str) -> str:
-    """Return the end of a message: why engines do not all read a text as the same number."""
+    """Return the end of a message: why engines do not all read the text `part` as one number."""
     if "$" in part:
         return ": it is xacro, expand the file first"
     if "," in part:

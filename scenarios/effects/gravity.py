@@ -24,12 +24,12 @@ class GravityTable(EffectTable):
 
 
 def potential(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """Return V = −m g·r, J, which is zero at the world's origin, (n,)."""
+    """Return V = −m g·r, J, (n,), with r the com's position from the world's origin."""
     return np.asarray(-scenario.body.mass * (motion.com_world @ scenario.gravity_world))
 
 
 def torque_body(scenario: Scene, R_world_body: FloatArray) -> FloatArray:
-    """Return r × m g about the pivot, N m, body axes, (3,); zeros without a pivot.
+    """Return gravity's torque about the pivot, N m, body axes, (3,); zeros without a pivot.
 
     `R_world_body` is the rotation matrix of one attitude, (3, 3).
     """
@@ -41,9 +41,10 @@ def torque_body(scenario: Scene, R_world_body: FloatArray) -> FloatArray:
 def swing_rate(scenario: Scene) -> float:
     """Return √(m g l / I), the rate of a small swing under gravity, rad/s.
 
-    It is 0 for a free body, and for a body that is held at its com. I is the least moment about an
-    axis across the lever, as gravity's torque is across the lever: a needle that hangs by its end
-    swings slowly, however small its moment about its length.
+    It is 0 for a free body, and for a body that is held at its com. l is the length of the lever,
+    from the held point to the com. I is the least moment about an axis across the lever, as
+    gravity's torque is across the lever: a needle that hangs by its end swings slowly, however
+    small its moment about its length.
     """
     lever = scenario.constraint.lever
     arm = float(np.linalg.norm(lever))
@@ -57,7 +58,7 @@ def swing_rate(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    """Yield the acceleration of gravity, m/s², and a bound on the body's potential energy, J."""
+    """Yield the acceleration of gravity, m/s², and a bound on the potential energy, J, as sizes."""
     where = ("effects", "gravity", "acceleration")
     g = length(extent.scenario.gravity_world)
     energy = extent.scenario.body.mass_exact * g * extent.distance

@@ -88,10 +88,10 @@ def gyroscopic_rate(scenario: Scene) -> float:
 
 
 def _sizes(extent: Extent) -> Iterator[Size]:
-    """Yield each rotor's distance from the body's origin, and bounds on its momentum and energy.
+    """Yield three sizes of each rotor: its place, and bounds on its angular momentum and energy.
 
-    With C its moment about its axle and s its spin, the bounds are C (|s| + ‖ω‖), kg m²/s, and
-    C (|s| + ‖ω‖)², J, both at t = 0.
+    The place is its distance from the body's origin, m. With C its moment about its axle and s its
+    spin, the bounds are C (|s| + ‖ω‖), kg m²/s, and C (|s| + ‖ω‖)², J, both at t = 0.
     """
     speed = length(extent.scenario.start.omega_body_exact)
     for k, rotor in enumerate(extent.scenario.rotors.each):

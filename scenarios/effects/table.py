@@ -106,9 +106,9 @@ def answer(
     torque_body: FloatArray,
     pull_world: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return torque, N m, body axes, and acceleration of the com, m/s², world axes, with the table.
+    """Return torque, N m, body axes, and acceleration of the com, m/s², world axes, (3,) each.
 
-    They are `torque_body` and `pull_world` plus the contributions of the force N, (3,) each. The
+    They are `torque_body` and `pull_world` plus what the table's force N contributes. The
     parameters are those of `normal_force`, for one state.
     """
     force = normal_force(scenario, up_body, omega_body, torque_body, pull_world)

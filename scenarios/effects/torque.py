@@ -40,9 +40,9 @@ def _sizes(extent: Extent) -> Iterator[Size]:
 
 
 def _rates(extent: Extent) -> Iterator[Rate]:
-    """Yield the largest ‖ω‖, rad/s, that the torque can lead to in the time span from rest.
+    """Yield a bound on the ‖ω‖, rad/s, to which the torque can lead from rest in the time span.
 
-    Effects that slow the body limit it.
+    Effects that slow the body lower it.
     """
     torque, least = _torque(extent), extent.moments[0]
     reached = torque * extent.span / least

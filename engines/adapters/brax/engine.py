@@ -28,7 +28,10 @@ class BraxSession(WorldSession):
     """A session of one body in a Brax system of its own, with the body's origin at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the system holds it, in the record's axes; the joint is the origin."""
+        """Return the body as the system holds it: mass, com, tensor and the held point.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         inertia = self.world.system.link.inertia
         mass, com, tensor = (
             np.asarray(one[0], dtype=float)
@@ -37,7 +40,10 @@ class BraxSession(WorldSession):
         return WorldBody(float(mass), com, tensor, None if self.world.is_free else np.zeros(3))
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the system."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from the system.
+        """
         system, gravity = self.world.system, np.asarray(self.world.system.gravity, dtype=float)
         right = np.allclose(gravity, self.scenario.gravity_world, rtol=SLACK, atol=0)
         named = {
@@ -71,7 +77,7 @@ class BraxSession(WorldSession):
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
-    """Return the method that uses Brax's pipeline of the same name."""
+    """Return the method `name`, which uses the pipeline that Brax calls by this name."""
     setup = f"state = brax.{name}.pipeline.step(sys, state, act)"
     return Method(name, 1, 1, summary, EFFECTS, as_shipped=as_shipped, setup=setup)
 

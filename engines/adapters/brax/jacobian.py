@@ -19,9 +19,10 @@ QUATERNION, TURNING = slice(3, 7), slice(3, 6)
 
 
 def _stepped(steps: Any, x: Any, system: Any) -> Any:
-    """Return q and qd after `steps` steps in one array, twice: as value and as auxiliary output.
+    """Return coordinates and velocities (Brax's q and qd) after `steps` steps, in one array, twice.
 
-    JAX differentiates the value by `x`, which is q and qd before the steps.
+    JAX differentiates the first by `x`, the same array before the steps, and hands on the second
+    as auxiliary output. `system` is Brax's system.
     """
     without_actuators = jnp.zeros(0, x.dtype)
     begun = parts.generalized.init(system, x[: system.q_size()], x[system.q_size() :])

@@ -148,9 +148,10 @@ def system_of(structure, numbers, timestep):
 
 @partial(jax.jit, static_argnums=(0, 1))
 def begun(pipeline, structure, numbers, timestep, q, qd):
-    """Return a pipeline's state before the first step, at coordinates q and velocities qd.
+    """Return the state before the first step, at coordinates q and velocities qd.
 
-    `structure`, `numbers` and `timestep` are the arguments of `system_of`.
+    `pipeline` is the module of one of Brax's pipelines. `structure`, `numbers` and `timestep` are
+    the arguments of `system_of`.
     """
     return pipeline.init(system_of(structure, numbers, timestep), q, qd)
 
@@ -159,8 +160,8 @@ def begun(pipeline, structure, numbers, timestep, q, qd):
 def moved(structure, numbers, timestep, state, place, turning):
     """Return a state with the bodies set to other poses and velocities.
 
-    This function is needed because `init` gives a body on several hinges a wrong velocity: "fix
-    qd->jd calculation for stacked/offset joints" (brax/kinematics.py).
+    This function is needed because Brax's `init` gives a body on several hinges a wrong velocity,
+    as a note in brax/kinematics.py says: "fix qd->jd calculation for stacked/offset joints".
 
     Parameters
     ----------
@@ -216,7 +217,7 @@ class World:
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with `q`, `omega`, … as in a record, and the timestep, s.
+        """Set another motion, a dict with keys of a scene record, and the timestep, s.
 
         Nothing of earlier steps is left.
         """
@@ -244,12 +245,12 @@ class World:
     def motion(self):
         """Return the present state as one array, (13,), in world axes.
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, and its velocity, m/s.
+        It has attitude (w x y z), ω (rad/s), com (m) and velocity of the com (m/s).
         """
         return self.motion_of(self.state)
 
     def motion_of(self, state):
-        """Return a state of the pipeline as one array, (13,), with the numbers of `motion`."""
+        """Return a state of the pipeline as an array, (13,), in the order and units of `motion`."""
         q, qd = np.asarray(state.q, float), np.asarray(state.qd, float)
         if not self.is_generalized:
             place, turning = jax.tree.map(
@@ -281,7 +282,7 @@ def stepped_all(pipeline, systems, states, count):
 
 
 def stacked(trees):
-    """Return trees that differ only in numbers as one, whose arrays have a row for each tree."""
+    """Join JAX trees that differ only in numbers: each array gets a row for each of the trees."""
     return jax.tree.map(lambda *leaves: np.stack(leaves), *trees)
 
 

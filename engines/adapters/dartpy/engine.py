@@ -31,14 +31,20 @@ class DartSession(WorldSession):
     """A session of one body in a DART world of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as DART holds it, with the joint as origin, in the record's axes."""
+        """Return the body as DART holds it: mass, com, tensor, held point and rotors.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         inertia = self.world.body.getInertia()
         arm = None if self.world.is_free else np.zeros(3)
         mass = inertia.getMass(), inertia.getLocalCOM(), np.array(inertia.getMoment())
         return WorldBody(*mass, arm, [_rotor(*rotor) for rotor in self.world.rotors])
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from DART."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from DART.
+        """
         world, joint = self.world.world, self.world.joint
         gravity = np.array(world.getGravity()) * self.world.body.getGravityMode()
         count = joint.getNumDofs()
@@ -56,10 +62,11 @@ class DartSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return names of what the joints may implement, each with whether they do.
+        """Return effects and faults that joints may have, by name, each with whether it is there.
 
-        The names are the effects "pivot", "table" and "rotors", then "other bodies", and words on
-        each difference of a rotor's joint from the scene. The latter are always true.
+        The names are the effects "pivot", "table" and "rotors", and the fault "other bodies". A
+        description of each way in which a rotor's joint differs from the scene is added, with the
+        value true.
         """
         slide, rotors = self.world.slide, self.world.rotors
         count = self.world.skeleton.getNumBodyNodes()
@@ -93,7 +100,7 @@ class DartSession(WorldSession):
 
 
 def _rotor(joint: Any, node: Any) -> HeldRotor:
-    """Return a rotor at joint angle 0, relative to the origin and the axes of the body it is on.
+    """Return a rotor as DART holds it, at joint angle 0, in the frame of the body that carries it.
 
     Parameters
     ----------

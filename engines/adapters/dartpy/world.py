@@ -60,7 +60,7 @@ class World:
         return (node,)
 
     def add_rotor(self, rotor):
-        """Add a rotor, given its entry in the record; return its joint and its body node."""
+        """Add a rotor, given its entry in the scene record; return its joint and its body node."""
         kind = "Weld" if rotor["hinge"] == "locked" else "Revolute"
         joint, node = getattr(self.skeleton, f"create{kind}JointAndBodyNodePair")(self.body)
         at = dart.math.Isometry3(np.eye(3), self.lever + rotor["place"])
@@ -79,7 +79,7 @@ class World:
         return [joint.getVelocity(0) if joint.getNumDofs() else 0.0 for joint, _ in self.rotors]
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with `q`, `omega`, … as in a record, and the timestep, s."""
+        """Set another motion, a dict with keys of a scene record, and the timestep, s."""
         self.world.setTimeStep(timestep)
         for (joint, _), spin in zip(self.rotors, motion.get("spins", ()), strict=True):
             if joint.getNumDofs():
@@ -102,7 +102,7 @@ class World:
     def motion(self):
         """Return the state as one array, (13 + rotors,), in world axes.
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
+        It has attitude (w x y z), ω (rad/s), com (m), velocity of the com (m/s) and spins (rad/s).
         """
         body = self.body
         attitude = body.getWorldTransform()

@@ -13,8 +13,8 @@ def differentiated(world: Any, steps: int) -> tuple[FloatArray, FloatArray]:
     """Return an attitude, w x y z, (4,), and derivatives by the present state in the chart.
 
     For a discrete plant the attitude is that after `steps` steps, and the derivatives are those of
-    this quaternion and of ω then, (7, 6). For any other plant the attitude is the present one, and
-    the derivatives are those of dω/dt, (3, 6). Axes are those of the scene's record.
+    this quaternion and of ω at that time, (7, 6). For any other plant the attitude is the present
+    one, and the derivatives are those of dω/dt, (3, 6). Axes are those of the scene's record.
 
     Parameters
     ----------
@@ -84,5 +84,5 @@ def _turning(spatial: Any, body: Any, context: Any) -> Any:
 
 
 def _gradient(numbers: Any) -> FloatArray:
-    """Return the gradients of n numbers of type `AutoDiffXd`, one a row, (n, 6)."""
+    """Return the derivatives that n numbers of type `AutoDiffXd` hold, one number a row, (n, 6)."""
     return np.asarray(drake.ExtractGradient(numbers.reshape(-1, 1)))

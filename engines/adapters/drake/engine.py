@@ -63,13 +63,19 @@ class DrakeSession(WorldSession):
     """
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state; build a discrete plant anew if the timestep changes."""
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`).
+
+        A discrete plant is built anew if its timestep changes.
+        """
         if self.world.is_discrete and timestep not in (None, self.timestep):
             self.world = self.module.World(self.scene, self.world.method, timestep)
         super().restart(state, timestep)
 
     def world_body(self) -> WorldBody:
-        """Return the body as Drake holds it, with the joint as origin, in the record's axes."""
+        """Return the body as Drake holds it: mass, com, tensor, held point and rotors.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         arm = None if self.world.is_free else np.zeros(3)
         return WorldBody(
             *self._mass_of(self.world.body),
@@ -107,7 +113,7 @@ class DrakeSession(WorldSession):
             raise EngineError(f"Drake: {words}", "warning" if singular else "refused") from None
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the one derivative that Drake computes, by `AutoDiffXd`, under its name.
+        """Return the one derivative that Drake computes, by `AutoDiffXd`; its key is a name for it.
 
         It is the Jacobian of steps for a discrete plant, and the derivative of dω/dt for any other.
         """
@@ -149,7 +155,10 @@ class DrakeSession(WorldSession):
             raise EngineError(f"Drake took {count} steps, not {taken}", "clock")
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the plant."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from the plant.
+        """
         plant, joint = self.world.plant, self.world.joint
         slides, rotors = self.world.slides, self.world.rotors
         turns = joint.type_name() == self.module.drake.BallRpyJoint.kTypeName

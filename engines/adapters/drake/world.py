@@ -78,7 +78,7 @@ class World:
     def add_body(self, scene):
         """Add the body, its joints, its rotors and gravity to the plant; finalize the plant.
 
-        The body's frame is at its joint, along the axes of the record.
+        The body's frame is at its joint, along the scene record's axes.
         """
         lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the joint to the com
         inertia = drake.SpatialInertia.MakeFromCentralInertia(
@@ -122,8 +122,8 @@ class World:
 
         Parameters
         ----------
-        rotor : the rotor's entry in the record
-        lever : vector from the body's joint to its com, m, in the axes of the record, (3,)
+        rotor : the rotor's entry in the scene record
+        lever : vector from the body's joint to its com, m, in the scene record's axes, (3,)
         """
         (xx, xy, xz), (_, yy, yz), (_, _, zz) = rotor_tensor(rotor)
         inertia = drake.SpatialInertia.MakeFromCentralInertia(
@@ -147,7 +147,7 @@ class World:
         return self.plant.AddFrame(drake.FixedOffsetFrame(name, frame, at))
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with `q`, `omega`, … as in a record, and the timestep, s.
+        """Set another motion, a dict with keys of a scene record, and the timestep, s.
 
         A discrete plant must have been built with the same timestep.
         """
@@ -179,7 +179,7 @@ class World:
     def slide_to(self, motion):
         """Set the slides so that the com has the position and velocity of a motion.
 
-        `motion` is a dict with the keys of a record; no other coordinate of the plant is set.
+        `motion` is a dict with the keys of a scene record; no other coordinate of the plant is set.
         """
         body, context = self.body, self.context
         arm = matrix(motion["q"]) @ body.CalcCenterOfMassInBodyFrame(context)
@@ -192,7 +192,7 @@ class World:
     def motion(self):
         """Return the state as one array, (13 + rotors,), in world axes.
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
+        It has attitude (w x y z), ω (rad/s), com (m), velocity of the com (m/s) and spins (rad/s).
         """
         body, context = self.body, self.context
         pose, moving = body.EvalPoseInWorld(context), body.EvalSpatialVelocityInWorld(context)

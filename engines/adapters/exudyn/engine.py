@@ -44,7 +44,7 @@ CLOCK_SLACK = 1e-6
 def _method(
     name: str, order: int, summary: str, effects: frozenset[str] = COMMON_EFFECTS
 ) -> Method:
-    """Return the method that uses one of Exudyn's solvers, named as in `DynamicSolverType`."""
+    """Return the method that uses Exudyn's solver `name`, a member of `DynamicSolverType`."""
     setup = f"""\
 settings = exudyn.SimulationSettings()
 settings.timeIntegration.endTime = duration
@@ -62,9 +62,10 @@ class ExudynSession(WorldSession):
     """
 
     def world_body(self) -> WorldBody:
-        """Return the body as Exudyn holds it, with the node as origin, in the record's axes.
+        """Return the body as Exudyn holds it: mass, com, tensor, held point and rotors.
 
-        The com is read from the marker at which gravity acts.
+        The origin is the node; axes are those of the scene record. The com is read from the marker
+        at which gravity acts.
         """
         system, R_axes_node = self.world.system, self.world.R_axes_node
         com = R_axes_node @ system.GetMarker(self.world.com)["localPosition"]
@@ -145,7 +146,10 @@ class ExudynSession(WorldSession):
             raise EngineError(self._trouble, "warning")
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the system."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from the system.
+        """
         system = self.world.system
         numbers = system.systemData
         loads = [self._of_load(system.GetLoad(k)) for k in range(numbers.NumberOfLoads())]
@@ -212,7 +216,8 @@ class ExudynSession(WorldSession):
     def _of_load(self, found: Any) -> str:
         """Return the name of the effect that a load implements, or else a description of the load.
 
-        A load implements an effect if it is of the right kind and its vector is the scene's.
+        `found` is Exudyn's dict of the load. A load implements an effect if it is of the right kind
+        and its vector is the scene's.
         """
         vector, scene, system = np.array(found["loadVector"]), self.scene, self.world.system
         if found["loadType"] == "ForceVector":
@@ -225,7 +230,10 @@ class ExudynSession(WorldSession):
         return name if np.array_equal(vector, wanted) else f"a load of {vector.tolist()}"
 
     def _of_damper(self, found: Any) -> str:
-        """Return "drag" if a connector is exactly the scene's drag, else a description of it."""
+        """Return "drag" if a connector is exactly the scene's drag, else a description of it.
+
+        `found` is Exudyn's dict of the connector.
+        """
         damping = np.diag(found["damping"])
         # A node's rotational coordinates come last, but `damped_by` takes them first.
         (name,) = self.damped_by(np.roll(damping, 3).tolist())
@@ -238,7 +246,7 @@ class ExudynSession(WorldSession):
 
 
 def _check_turns(scenario: Scenario, timestep: float) -> None:
-    """Raise `UnsupportedError` if a rotor may turn by more than `MOST_TURN` in a step."""
+    """Raise `UnsupportedError` if a rotor may turn by more than `MOST_TURN`, rad, in a step."""
     omega = float(np.linalg.norm(scenario.start.omega_body))
     fastest = omega + float(np.abs(scenario.rotors.start_spins).max())
     if fastest * timestep > MOST_TURN:

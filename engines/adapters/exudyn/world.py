@@ -97,7 +97,7 @@ class World:
 
         Parameters
         ----------
-        R_world_axes : the attitude of the record's axes at the start, (3, 3)
+        R_world_axes : the attitude of the scene record's axes at the start, (3, 3)
         """
         starts = [np.trace(R_world_axes @ turned) for turned in TURNED]
         best = TURNED[int(np.argmin(np.abs(starts)))]
@@ -117,7 +117,7 @@ class World:
         self.container.Reset()
 
     def assemble(self, scene):
-        """Add the record's body to the system, with constraints, loads, damper and rotors."""
+        """Add the body of a scene record to the system, with its constraints, loads and rotors."""
         system, R = self.system, self.R_axes_node
         lever = -np.array(scene["arm"] or (0.0, 0.0, 0.0))  # from the node to the com
         about_node = scene["mass"] * (lever @ lever * np.eye(3) - np.outer(lever, lever))
@@ -174,8 +174,8 @@ class World:
 
         Parameters
         ----------
-        rotor : the rotor's entry in the record
-        lever : vector from the body's node to its com, m, in the axes of the record, (3,)
+        rotor : the rotor's entry in the scene record
+        lever : vector from the body's node to its com, m, in the scene record's axes, (3,)
         """
         system, R = self.system, self.R_axes_node
         node, body, _ = self.add_body(rotor, R.T @ rotor_tensor(rotor) @ R, np.zeros(3))
@@ -312,7 +312,7 @@ class World:
         Parameters
         ----------
         omega : ω of the body, rad/s, world axes, (3,)
-        R_world_axes : the attitude of the record's axes, (3, 3)
+        R_world_axes : the attitude of the scene record's axes, (3, 3)
         """
         turning = exudyn.OutputVariableType.AngularVelocity
         each = ((rotor, self.system.GetNodeOutput(rotor.node, turning)) for rotor in self.rotors)
@@ -321,7 +321,7 @@ class World:
     def motion(self):
         """Return the state as one array, (13 + rotors,), in world axes.
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
+        It has attitude (w x y z), ω (rad/s), com (m), velocity of the com (m/s) and spins (rad/s).
         """
         of_node, of_marker = self.system.GetNodeOutput, self.system.GetMarkerOutput
         names = exudyn.OutputVariableType

@@ -39,7 +39,10 @@ class GenesisSession(WorldSession):
     """A session of one body in a Genesis scene of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, in the record's axes; the joint is the origin."""
+        """Return the body as the solver holds it: mass, com, tensor and the held point.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         links = self.world.solver.dyn_info.links
         mass, com, tensor, q = (
             getattr(links, f"inertial_{name}").to_numpy()[-1].astype(float)
@@ -51,7 +54,10 @@ class GenesisSession(WorldSession):
         )
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the solver."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from the solver.
+        """
         world, solver = self.world, self.world.solver
         motion = world.motion()
         gravity = solver.get_gravity().numpy().astype(float).ravel()
@@ -121,7 +127,7 @@ def errors_told() -> Iterator[None]:
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
-    """Return the method that uses Genesis's integrator of the same name, or its default one."""
+    """Return a method: with Genesis's integrator `name`, or, as shipped, with its default one."""
     setup = "" if as_shipped else SETUP.format(name)
     return Method(name, 1, 1, summary, COMMON_EFFECTS, as_shipped=as_shipped, setup=setup)
 

@@ -42,7 +42,10 @@ class GenesisModelReader(ModelReader):
         return version("genesis-world")
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Return the bodies of a Genesis scene that is built from a file, by their links' names."""
+        """Return the bodies of a Genesis scene that is built from a file, by their links' names.
+
+        `configuration` is the name of one of the reader's `configurations`.
+        """
         with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             gs: Any = import_module(f"{__package__}.world").gs
             path = laid_out(model, Path(folder))

@@ -34,7 +34,7 @@ def texts(numbers):
 
 
 def lever_of(scene):
-    """Return the vector from the body's joint to its com, m, in the axes of the record, (3,)."""
+    """Return the vector from the body's joint to its com, m, in the scene record's axes, (3,)."""
     return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
 
@@ -102,8 +102,8 @@ class World:
 
         Parameters
         ----------
-        motion : a dict with `q`, `omega`, … as in a record; if there are several worlds, a list of
-            such dicts, one for each world
+        motion : a dict with `q`, `omega`, … as in a scene record; if there are several worlds, a
+            list of such dicts, one for each world
         timestep : length of the steps from now on, s
         """
         self.there.reset()
@@ -111,7 +111,7 @@ class World:
         self.start(motion if isinstance(motion, list) else [motion])
 
     def start(self, motions):
-        """Set the motion of each world; `motions` has one for each, with the keys of a record."""
+        """Set the motion of each world; `motions` has a dict for each, with keys of a record."""
         pairs = [self.coordinates(motion) for motion in motions]
         with np.errstate(over="ignore"):
             q, qd = (np.array(part, np.float32) for part in zip(*pairs, strict=True))
@@ -131,13 +131,16 @@ class World:
     def motion(self):
         """Return the state of the first world as one array, (13,), in world axes.
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, and its velocity, m/s.
+        It has attitude (w x y z), ω (rad/s), com (m) and velocity of the com (m/s).
         """
         (motion,) = self.motions([0])
         return motion
 
     def motions(self, worlds):
-        """Return a list of the states of the worlds with given indices, each as from `motion`."""
+        """Return the states of the worlds with given indices, as a list of arrays.
+
+        Each array has the numbers that `motion` returns.
+        """
         q, qd = (
             numbers.numpy().astype(float)
             for numbers in (self.solver.get_qpos(), self.solver.get_dofs_velocity())
@@ -150,8 +153,7 @@ class World:
         Parameters
         ----------
         scene : the record of the world's scene
-        q : coordinates of the body's joint, as in `coordinates`
-        qd : velocities of this joint, as in `coordinates`
+        q, qd : coordinates and velocities of the body's joint, as `coordinates` returns them
         """
         R = matrix(q[-4:])
         omega = R @ qd[-3:]

@@ -35,7 +35,7 @@ class MJXSession(PortSession):
         super().__init__(scenario, model, world, SPRINGS)
 
     def record(self, strides: Sequence[int], keep: Callable[[FloatArray], object]) -> None:
-        """Take steps, and pass a snapshot after each stride to `keep`.
+        """Take strides of given numbers of steps, and pass a snapshot after each stride to `keep`.
 
         One call of the compiled loop takes up to `SAMPLES_A_CALL` strides.
         """

@@ -139,7 +139,7 @@ class World:
             self.moving[at] = np.asarray(numbers, dtype=self.precision)
 
     def run(self, strides):
-        """Take steps; return qpos and then qvel of each of n samples in a row, (n, nq + nv).
+        """Take steps; return qpos and then qvel of n samples, a sample in each row, (n, nq + nv).
 
         `strides` has the number of steps before each sample; n is at most `SAMPLES_A_CALL`.
         """

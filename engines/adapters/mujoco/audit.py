@@ -289,5 +289,5 @@ def _idle_passes(model: Any) -> frozenset[str]:
 
 
 def _is_on(model: Any, name: str) -> bool:
-    """Whether the pass (part of a step) with a flag of a given name is on; true without a flag."""
+    """Whether a pass (part of a step) is on; true if MuJoCo has no flag of the given name."""
     return not model.opt.disableflags & disabling().get(name, 0)

@@ -17,7 +17,7 @@ CLOCK = "clock"
 
 
 def _pointer() -> ctypes.c_void_p:
-    """Return the library's variable `mjcb_time`; its value is the address of a clock, or None."""
+    """Return MuJoCo's variable `mjcb_time`; its value is the address of a clock, or None."""
     folder = Path(mujoco.__file__).parent
     file = next(file for pattern in _LIBRARIES for file in folder.glob(pattern))
     return ctypes.c_void_p.in_dll(ctypes.CDLL(str(file)), "mjcb_time")
@@ -31,7 +31,7 @@ SHIPPED = _hung.value
 
 
 def hang(clock: int | None) -> None:
-    """Set the clock that the library reads from now on.
+    """Set the clock that MuJoCo's library reads from now on.
 
     `clock` is the address of a function; None for no clock.
     """
@@ -39,5 +39,5 @@ def hang(clock: int | None) -> None:
 
 
 def is_hung() -> bool:
-    """Whether the library reads a clock at present."""
+    """Whether MuJoCo's library reads a clock at present."""
     return _hung.value is not None

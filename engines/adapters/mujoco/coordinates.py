@@ -27,9 +27,9 @@ TURNING = 3
 
 
 def one_body(model: Any, body: int) -> BodyReading:
-    """Return one body of a compiled model, without the bodies attached to it, in its own axes.
+    """Return mass, com and tensor of one body of a compiled model, in the body's own frame.
 
-    `body` is the body's index in the model.
+    Bodies that are attached to it are not included. `body` is the body's index in the model.
     """
     R_body_axes = _rotation(model.body_iquat[body]).as_matrix()
     return BodyReading(
@@ -79,7 +79,8 @@ class CoordinateSession(Session):
     def restarts_to_the_last_bit(self) -> bool:
         """Whether a restart rounds no coordinate.
 
-        This is so on a ball joint without slides, or if the first coordinates are the com's.
+        This is so if the body is on a ball joint without slides, or if the first coordinates are
+        those of the com.
         """
         return bool(self._on_pivot or not self._arm_body.any())
 

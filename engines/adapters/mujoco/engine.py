@@ -54,7 +54,7 @@ SHIPPED = "default"
 
 
 def setup(integrator: str) -> str:
-    """Return the lines by which users choose an integrator, in MJCF or on a compiled model.
+    """Return the lines, in MJCF and alternatively in Python, by which users choose an integrator.
 
     `integrator` is the integrator's name in MJCF.
     """
@@ -210,12 +210,15 @@ class MuJoCo(Engine):
         return (*passes, *([CLOCK] if clock.SHIPPED else ()))
 
     def at_version(self, version: str) -> Release:
-        """Return a version of MuJoCo, with the orders of its methods by MuJoCo's changelog."""
+        """Return what to install for a version of MuJoCo, and the methods with their orders in it.
+
+        The orders follow from MuJoCo's changelog.
+        """
         return release(version, self.methods)
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """Return a version of MuJoCo, with the packages to install and the orders of its methods.
+    """Return what to install for a version of MuJoCo, and the methods with their orders in it.
 
     Before 4.0.0, RK4 averaged the rotations of its stages, which made it of second order.
 
@@ -262,9 +265,10 @@ def _switched_off(scenario: Scenario, method: Method) -> tuple[str, ...]:
 
 @lru_cache(maxsize=KEPT)
 def _model(scenario: Scenario, method: Method, description: Description) -> Any:
-    """Return the compiled model of a scene, with every pass on.
+    """Return the compiled model of a scene, with every pass (part of a step) on.
 
-    It is cached: callers must copy it before they change it.
+    The body is written as `description` says. The model is cached: callers must copy it before they
+    change it.
     """
     if description.urdf:
         return compiled(lambda: _of_urdf(scenario, description))
@@ -278,7 +282,8 @@ def _model(scenario: Scenario, method: Method, description: Description) -> Any:
 def _of_urdf(scenario: Scenario, description: Description) -> Any:
     """Return the compiled model of a scene's URDF, with additions that URDF cannot state.
 
-    The additions are the free joint of a free body, and the armatures of driven rotors.
+    The body is written as `description` says. The additions are the free joint of a free body, and
+    the armatures of driven rotors.
     """
     spec = spec_of_urdf(urdf(scenario, READER_ROUNDOFF, description=description))
     if scenario.constraint.is_free:
@@ -292,7 +297,10 @@ def _of_urdf(scenario: Scenario, description: Description) -> Any:
 def _text(
     scenario: Scenario, timestep: float, method: Method, description: Description = PLAIN
 ) -> str:
-    """Return the MJCF of a scene, in which no pass is switched off."""
+    """Return the MJCF of a scene, in which no pass (part of a step) is switched off.
+
+    The body is written as `description` says.
+    """
     alone = _alone(scenario, method)
     text = mjcf(alone, timestep, _integrator(method), switched_off(alone), description)
     return with_contact(text, scenario) if _is_by_contact(method) else text

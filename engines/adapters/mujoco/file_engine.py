@@ -54,13 +54,13 @@ class MuJoCoFile(FileEngine):
         return MuJoCoSession(scenario, model)
 
     def at_version(self, version: str) -> Release:
-        """Return a version of MuJoCo, with this engine's method."""
+        """Return what to install for a version of MuJoCo, and this engine's method."""
         return release(version, self.methods)
 
 
 @lru_cache(maxsize=KEPT)
 def _model(users: UsersLink) -> Any:
-    """Return the compiled model of a link; it is cached, since all timesteps need the same one."""
+    """Return the compiled model of a user's link; it is cached, as all timesteps need the same."""
     return compiled(lambda: (_of_urdf if users.model.format == "urdf" else _of_mjcf)(users))
 
 

@@ -57,7 +57,8 @@ class MuJoCoModelReader(ModelReader):
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
         """Compile a file; return its bodies, by the names of their links.
 
-        A body is returned without the children that hang on it.
+        A body is returned without the children that hang on it. `configuration` is the name of one
+        of the reader's `configurations`.
         """
         try:
             # A temporary current folder, because MuJoCo writes a log of its warnings there.

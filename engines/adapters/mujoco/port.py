@@ -44,7 +44,7 @@ class PortSession(CoordinateSession):
         self._world, self._always_on = world, always_on
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state, with all else as at the start, without compiling again."""
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`)."""
         if timestep is not None:
             self._world.set_timestep(timestep)
         self._world.restart(*self.coordinates(state))
@@ -67,10 +67,10 @@ class PortSession(CoordinateSession):
         """Do nothing: MuJoCo's ports neither warn nor reset the state."""
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the port.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        Passes that the port cannot switch off are left out: they do nothing in a scene that does
-        not need them.
+        Both are read from the port. Passes (parts of a step) that the port cannot switch off are
+        left out: they do nothing in a scene that does not need them.
         """
         names_acting = acting(self._world.model, self._world.data(), self._scenario)
         return names_acting - {FLAG_WORDS[name] for name in self._always_on}
@@ -112,7 +112,7 @@ class PortBatch(WorldBatch):
 def left_in(
     scenario: Scenario, integrator: str | None, always_on: tuple[str, ...]
 ) -> tuple[str, ...]:
-    """Return MuJoCo's names of the parts of a step that stay on without need.
+    """Return MuJoCo's names of the parts of a step that stay on though the scene needs none.
 
     Parameters
     ----------

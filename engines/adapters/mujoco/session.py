@@ -73,7 +73,10 @@ class MuJoCoSession(CoordinateSession):
         set_timestep(self.model, timestep, self._tied)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Reset the data by `mj_resetData`, set the coordinates of a state, and forget warnings."""
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`).
+
+        Before this, the data are reset by `mj_resetData`; warnings are forgotten.
+        """
         if timestep is not None:
             self.set_timestep(timestep)
         mujoco.mj_resetData(self.model, self.data)
@@ -89,7 +92,7 @@ class MuJoCoSession(CoordinateSession):
         self._steps += steps
 
     def record(self, strides: Sequence[int], keep: Callable[[Snapshot], object]) -> None:
-        """Take steps, and pass a snapshot after each stride to `keep`.
+        """Take strides of given numbers of steps, and pass a snapshot after each stride to `keep`.
 
         MuJoCo's warnings are redirected once for all strides, and not again for each.
         """
@@ -105,8 +108,8 @@ class MuJoCoSession(CoordinateSession):
     def _stepping(self) -> Iterator[None]:
         """Collect MuJoCo's warnings inside the block, in which MuJoCo may take steps.
 
-        Before it, MuJoCo is given the clock of this object, or none. A fatal error of MuJoCo is
-        raised as `EngineError`.
+        At the start of the block, MuJoCo's clock is set to that of this session, or to none. A
+        fatal error of MuJoCo is raised as `EngineError`.
         """
         clock.hang(self._clock)
         try:
@@ -148,7 +151,7 @@ class MuJoCoSession(CoordinateSession):
     ) -> Fault | None:
         """Return a fault for the first snapshot whose time does not match the steps taken.
 
-        It is None if all times match.
+        It is None if all times match. `states` is ignored.
         """
         timestep = self.model.opt.timestep
         steps, times = _rows(snapshots)[:, :2].T
@@ -165,9 +168,9 @@ class MuJoCoSession(CoordinateSession):
         return Fault(first, "clock", reason)
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from MuJoCo.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        "clock" is included if MuJoCo reads a clock while it steps.
+        Both are read from MuJoCo. "clock" is included if MuJoCo reads a clock while it steps.
         """
         clock.hang(self._clock)
         names_acting = acting(self.model, self.data, self._scenario)

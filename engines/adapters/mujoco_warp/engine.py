@@ -25,7 +25,7 @@ world = World([model], [0], TIMESTEP, {qpos}, {qvel})"""
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    """Return the method that uses one of MuJoCo's integrators, named as in MJCF."""
+    """Return the method that uses MuJoCo's integrator `name` (MJCF's name), with its order."""
     return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 

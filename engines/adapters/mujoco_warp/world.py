@@ -99,7 +99,7 @@ class World:
         self.on_device.opt.timestep.fill_(timestep)
 
     def restart(self, qpos, qvel):
-        """Set the coordinates and velocities of all worlds; nothing of earlier steps is left.
+        """Set coordinates, (worlds, nq), and velocities, (worlds, nv); earlier steps are forgotten.
 
         `mjw.reset_data` does the same, but takes 0.2 s, since it hashes kernels in each call.
         """

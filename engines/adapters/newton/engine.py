@@ -53,7 +53,10 @@ class NewtonSession(WorldSession):
     """A session of one body in a Newton model of its own; the body's origin is at its joint."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as the solver holds it, in the record's axes; the joint is the origin."""
+        """Return the body as the solver holds it: mass, com, tensor, held point and rotors.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         arm = None if self.scene["arm"] is None else np.zeros(3)
         first, *others = self._bodies()
         rotors = zip(others, self.world.model.joint_type.numpy()[1:], strict=True)
@@ -116,7 +119,10 @@ class NewtonSession(WorldSession):
         return import_module(f"{__package__}.tape").Tape(self.world)
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from Newton."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from Newton.
+        """
         world, model, scenario = self.world, self.world.model, self.scenario
         motion, gravity = world.motion(), model.gravity.numpy()[0].astype(float)
         drag = self.scene["drag"]
@@ -148,7 +154,7 @@ class NewtonSession(WorldSession):
         return frozenset(acting | stated_effects if is_pushed else acting)
 
     def _damping(self) -> float:
-        """Return the rate at which the solver damps ω of itself, 1/s; 0 if it does not damp it."""
+        """Return the rate at which the solver itself damps ω, 1/s; 0 if it does not damp it."""
         model: Any = self.world.model
         if not hasattr(model, "steel"):
             return float(getattr(self.world.solver, "angular_damping", 0.0))
@@ -156,7 +162,7 @@ class NewtonSession(WorldSession):
         return float(model.steel.rigid_body_angular_damping.numpy()[0] * is_free)
 
     def _wrong_hinges(self) -> Iterator[str]:
-        """Yield words on each joint that has an armature without being driven, or the reverse."""
+        """Yield a description of each joint that has an armature but no drive, or the reverse."""
         model = self.world.model
         armature, starts = model.joint_armature.numpy(), model.joint_qd_start.numpy()
         if armature[: starts[1]].any():
@@ -172,13 +178,13 @@ def _clean(
 ) -> Method:
     """Return a clean method.
 
-    `solver` is the call that makes Newton's solver, for `Method.setup`.
+    `solver` is Python code, the call that makes Newton's solver; `Method.setup` contains it.
     """
     return Method(name, order, order, summary, effects, setup=SETUP.format(solver))
 
 
 def _mujoco(integrator: str, order: int, summary: str) -> Method:
-    """Return the method that uses one of MuJoCo Warp's integrators, named as in Newton."""
+    """Return the clean method that uses one of MuJoCo Warp's integrators, by its name in Newton."""
     solver = f'MuJoCo(model, integrator="{integrator}", disable_contacts=True)'
     return _clean(f"mujoco-{integrator}", order, f"MuJoCo Warp's {summary}", solver)
 
@@ -237,7 +243,10 @@ class Newton(WorldEngine):
     )
 
     def at_version(self, version: str) -> Release:
-        """Return a version of Newton, with the versions of MuJoCo's packages that it requires."""
+        """Return what to install for a version of Newton, and the methods.
+
+        MuJoCo's packages are installed in the versions that Newton requires.
+        """
         mujoco = MUJOCO.get(numbers_of(version)[:2], MUJOCO[1, 8])
         parts = f"newton=={version}", f"mujoco=={mujoco}", f"mujoco-warp=={mujoco}"
         return Release((*parts, "warp-lang>=1.17"), self.methods)

@@ -38,7 +38,10 @@ class NewtonModelReader(ModelReader):
         return version("newton")
 
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
-        """Return the bodies of Newton's finalized model of a file, by the names of their links."""
+        """Return the bodies of Newton's finalized model of a file, by the names of their links.
+
+        `configuration` is the name of one of the reader's `configurations`.
+        """
         with kernels_kept(), tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             import newton
 

@@ -42,7 +42,7 @@ class Tape:
 
         Parameters
         ----------
-        motion : the motion before the steps, a dict with `q`, `omega`, … as in a record
+        motion : the motion before the steps, a dict with `q`, `omega`, … as in a scene record
         timestep : length of the steps, s
         steps : number of steps
 

@@ -38,8 +38,9 @@ def push_bodies(
 ):
     """Write the scene's torque on the first body of each world into `wrench`; a Warp kernel.
 
-    `drag`, N m s, and the torques, N m, are those of the record. `bodies` is the number of bodies
-    in a world. The force in `wrench` is set to zero.
+    `pose` and `twist` are poses and velocities of all bodies. `drag`, N m s, and the torques, N m,
+    are those of the scene record. `bodies` is the number of bodies in a world. The force in
+    `wrench` is set to zero.
     """
     i = wp.tid() * bodies
     turned = wp.quat_rotate(wp.transform_get_rotation(pose[i]), torque_body)
@@ -54,7 +55,7 @@ def transform(place, q_wxyz=(1.0, 0.0, 0.0, 0.0)):
 
 
 def lever_of(scene):
-    """Return the vector from the body's joint to its com, m, in the axes of the record, (3,)."""
+    """Return the vector from the body's joint to its com, m, in the scene record's axes, (3,)."""
     return -np.array(scene["arm"] or (0.0, 0.0, 0.0))
 
 
@@ -128,8 +129,8 @@ class World:
         ----------
         builder : the model builder
         body : number of the body
-        lever : vector from the body's joint to its com, m, in the axes of the record, (3,)
-        rotor : the rotor's entry in the record
+        lever : vector from the body's joint to its com, m, in the scene record's axes, (3,)
+        rotor : the rotor's entry in the scene record
         """
         child = self.add_body(builder, rotor["mass"], np.zeros(3), rotor_tensor(rotor))
         at = transform(lever + rotor["place"])
@@ -145,8 +146,8 @@ class World:
 
         Parameters
         ----------
-        motion : a dict with `q`, `omega`, … as in a record; if there are several worlds, a list of
-            such dicts, one for each world
+        motion : a dict with `q`, `omega`, … as in a scene record; if there are several worlds, a
+            list of such dicts, one for each world
         timestep : length of the steps from now on, s
         """
         self.timestep = timestep
@@ -170,7 +171,7 @@ class World:
         Parameters
         ----------
         scene : the scene's record
-        motion : the motion, a dict with `q`, `omega`, … as in a record
+        motion : the motion, a dict with `q`, `omega`, … as in a scene record
         """
         w, *xyz = motion["q"]
         spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)
@@ -181,8 +182,8 @@ class World:
     def motion(self, world=0):
         """Return the state of the world with a given index as one array, (13 + rotors,).
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, all in world axes,
-        and the spins, rad/s.
+        Its numbers are attitude (w x y z), ω (rad/s), com (m) and its velocity (m/s), all in world
+        axes, and spins (rad/s).
         """
         scene, own = self.scenes[world], slice(world * self.bodies, (world + 1) * self.bodies)
         poses = self.now.body_q.numpy()[own].astype(float)
@@ -198,7 +199,10 @@ class World:
         return np.concatenate([(w, x, y, z), omega, com, twists[0, :3], spins])
 
     def motions(self, worlds):
-        """Return a list of the states of the worlds with given indices, each as from `motion`."""
+        """Return the states of the worlds with given indices, as a list of arrays.
+
+        Each array has the numbers that `motion` returns.
+        """
         return [self.motion(world) for world in worlds]
 
     def push(self, state):

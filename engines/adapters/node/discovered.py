@@ -26,7 +26,7 @@ HOW = "python -m spincheck.engines.adapters.node"
 
 
 def discovered() -> Iterator[Engine | Missing]:
-    """Yield the engine of each `.mjs` file in this folder, or a `Missing` that says why not."""
+    """Yield the engine of each `.mjs` file in this folder; a `Missing` if it cannot be used."""
     files = sorted(HERE.glob("*.mjs"))
     if shutil.which("node") is None:
         yield from (Missing(f.stem, "node", "node is not installed", FAMILY) for f in files)
@@ -103,7 +103,8 @@ def _said_before(path: Path, modules: Path) -> Hello | None:
 def _memory(path: Path, modules: Path) -> Path:
     """Return the path of the file that stores an engine's description.
 
-    Its name has a digest of the engine's `.mjs` file, `path`, and of the modules that it imports.
+    It is beside the folder of npm packages, `modules`. Its name has a digest of the engine's `.mjs`
+    file, `path`, and of the JavaScript modules `PARTS` that such files import.
     """
     files = (path, *PARTS)
     digest = sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]

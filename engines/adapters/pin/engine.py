@@ -33,7 +33,10 @@ class PinocchioSession(WorldSession):
     """
 
     def world_body(self) -> WorldBody:
-        """Return the body as the model holds it, with the joint as origin, in the record's axes."""
+        """Return the body as the model holds it: mass, com, tensor, held point and rotors.
+
+        The origin is the joint; axes are those of the scene record.
+        """
         inertia = self.world.model.inertias[self.world.joint]
         arm = None if self.world.is_free else np.zeros(3)
         rotors = [self._rotor(joint) for joint in self.world.rotors]
@@ -56,7 +59,7 @@ class PinocchioSession(WorldSession):
         return HeldRotor(inertia.mass, com, R @ inertia.inertia @ R.T, R @ axis)
 
     def derivatives(self) -> Mapping[str, Derivative]:
-        """Return the derivative of dω/dt that Pinocchio computes, under its function's name."""
+        """Return the derivative of dω/dt by `computeABADerivatives`; this name is its key."""
         return {"computeABADerivatives": Derivative(self._rate)}
 
     def _rate(self) -> FloatArray:
@@ -78,10 +81,10 @@ class PinocchioSession(WorldSession):
         return along(self.frame.body_from_axes.as_matrix(), rate)
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the model.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        The model does not hold torques and drag, which are passed to `aba` in each step: those of
-        the scene are assumed to act.
+        Both are read from the model, except torques and drag, which it does not hold: they are
+        passed to `aba` in each step, and those of the scene are assumed to act.
         """
         model, scenario = self.world.model, self.scenario
         named = {
@@ -94,10 +97,11 @@ class PinocchioSession(WorldSession):
         return frozenset(name for name, acts in named.items() if acts)
 
     def _joints(self) -> dict[str, bool]:
-        """Return names of what the joints may implement, each with whether they do.
+        """Return effects and faults that joints may have, by name, each with whether it is there.
 
-        The names are the effects "pivot", "table" and "rotors", then words on faults of joints.
-        Joints before the body's own are slides, those after it are hinges of rotors.
+        The names are the effects "pivot", "table" and "rotors", then descriptions of ways in which
+        joints may differ from the scene. Joints before the body's own are slides, those
+        after it are hinges of rotors.
         """
         world, model = self.world, self.world.model
         kinds = [joint.shortname() for joint in model.joints]
@@ -121,7 +125,7 @@ class PinocchioSession(WorldSession):
 
 @final
 class Pinocchio(WorldEngine):
-    """The engine Pinocchio, with the body on a free-flyer joint, or if held on a spherical one."""
+    """The engine Pinocchio: a free body on a free-flyer joint, a held one on a spherical joint."""
 
     session = PinocchioSession
     name = "pin"

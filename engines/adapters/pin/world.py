@@ -53,7 +53,7 @@ class World:
         self.model.appendBodyToJoint(self.joint, inertia, pinocchio.SE3.Identity())
 
     def add_rotor(self, rotor):
-        """Add a rotor, given its entry in the record; return the number of its joint.
+        """Add a rotor, given its entry in the scene record; return the number of its joint.
 
         A locked rotor has no joint and is merged into the body; the number is then 0.
         """
@@ -71,7 +71,7 @@ class World:
         return joint
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with `q`, `omega`, … as in a record, and the timestep, s."""
+        """Set another motion, a dict with keys of a scene record, and the timestep, s."""
         self.timestep = timestep
         w, x, y, z = motion["q"]
         R = pinocchio.Quaternion(np.array((x, y, z, w))).matrix()
@@ -91,7 +91,7 @@ class World:
     def motion(self):
         """Return the state as one array, (13 + rotors,), in world axes.
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
+        It has attitude (w x y z), ω (rad/s), com (m), velocity of the com (m/s) and spins (rad/s).
         """
         x, y, z, w = self.q[self.q_turning]
         R = pinocchio.Quaternion(self.q[self.q_turning]).matrix()
@@ -110,7 +110,7 @@ class World:
         return [self.v[joints[joint].idx_v] if joint else 0.0 for joint in self.rotors]
 
     def advance(self, steps):
-        """Take steps one by one, because Pinocchio has no native loop."""
+        """Take `steps` steps one by one, because Pinocchio has no native loop."""
         for _ in range(steps):
             self.step()
 

@@ -26,16 +26,17 @@ class PyBox3DSession(WorldSession):
     """A session of a world with one box, whose centre is the body's com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as Box3D holds it, in the record's axes and with the com as origin.
+        """Return the body as Box3D holds it: mass, com, tensor and the held point.
 
-        Its tensor is measured by impulses.
+        The origin is the com; axes are those of the scene record. The tensor is measured by
+        impulses.
         """
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.anchor_b)
         return WorldBody(self.world.body.mass, np.zeros(3), self._tensor(), arm)
 
     def _tensor(self) -> FloatArray:
-        """Return the tensor about the com, kg m², in the record's axes, (3, 3).
+        """Return the tensor about the com, kg m², in the scene record's axes, (3, 3).
 
         Box3D does not report it. It is measured by three couples of impulses on the body at rest.
         If the moments are the scene's, each couple makes the body turn about one axis at 2 rad/s.
@@ -55,9 +56,10 @@ class PyBox3DSession(WorldSession):
         return (tensor + tensor.T) / 2
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from the world.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        The world does not report torques: those of the scene are assumed to act.
+        Both are read from the world, except torques, which it does not report: those of the scene
+        are assumed to act.
         """
         world, scenario = self.world.world, self.scenario
         joint, gravity = self.world.joint, self.module.xyz(world.gravity)

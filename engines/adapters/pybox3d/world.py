@@ -45,7 +45,7 @@ class World:
 
         Parameters
         ----------
-        motion : a dict with `q`, `omega`, … as in a record
+        motion : a dict with `q`, `omega`, … as in a scene record
         timestep : length of the steps from now on, s
         """
         self.scene = scene = self.scene | motion
@@ -72,7 +72,7 @@ class World:
     def motion(self):
         """Return the state as one array, (13,), in world axes.
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, and its velocity, m/s.
+        It has attitude (w x y z), ω (rad/s), com (m) and velocity of the com (m/s).
         """
         body = self.body
         vectors = body.angular_velocity, body.position, body.linear_velocity

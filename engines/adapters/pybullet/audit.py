@@ -45,9 +45,9 @@ def what_acts(advance: Callable[[int], None], model: Model, scenario: Scenario) 
 
 
 def _engine(world: World, scenario: Scenario) -> set[str]:
-    """Return a set: "gravity" if it acts as in the scene, and words on other settings.
+    """Return a set with "gravity" if it acts as in the scene, and descriptions of other settings.
 
-    The words describe real-time stepping, and a gravity that is not the scene's.
+    Described are real-time stepping, and a gravity that is not the scene's.
     """
     engine = p.getPhysicsEngineParameters(world.client)
     gravity = [engine[f"gravityAcceleration{axis}"] for axis in "XYZ"]
@@ -79,7 +79,7 @@ def _holds(world: World) -> set[str]:
 
 
 def _beside(world: World, scenario: Scenario) -> set[str]:
-    """Return words on what could collide: other bodies, and collision shapes.
+    """Return descriptions of what could collide: other bodies, and collision shapes.
 
     If a contact implements the table, a plane at the scene's height is reported as "table". All
     other bodies are then removed: a plane would push the body in the measurements that follow.
@@ -109,8 +109,9 @@ def _beside(world: World, scenario: Scenario) -> set[str]:
 def _has_shape(client: int, body: int, link: int) -> bool:
     """Whether a link has a collision shape that is larger than PyBullet's empty one.
 
-    What is compared is the collision margin, which for a sphere is its radius, and the bounding
-    box, because PyBullet does not report the shapes of bodies in maximal coordinates.
+    The arguments are PyBullet's numbers. What is compared is the collision margin, which for a
+    sphere is its radius, and the bounding box, because PyBullet does not report the shapes of
+    bodies in maximal coordinates.
     """
     margin = p.getDynamicsInfo(body, link, client)[11]
     low, high = p.getAABB(body, link, client)
@@ -121,10 +122,10 @@ def _has_shape(client: int, body: int, link: int) -> bool:
 
 
 def _acting(probe: Probe) -> set[str]:
-    """Return names of effects, and words on other torques and forces, found by a probe's steps.
+    """Return names of the effects that act, and descriptions of other torques and forces.
 
-    Effects are torques, drag and rotors; PyBullet's damping, motors and clamp are described. The
-    steps are taken without gravity, from rest and from a spin.
+    Effects are torques, drag and rotors; PyBullet's damping, motors and clamp are described. They
+    are found by steps of the probe. The steps are taken without gravity, from rest and from a spin.
     """
     torque, resistance, force = probe.unlike()
     acting = {words for words in (torque, resistance, force) if words}

@@ -139,7 +139,7 @@ class PyBullet(Engine):
         """Open a scene with unneeded parts left in, with given defaults, or another description.
 
         `Engine.open_with` describes the parameters. A body that is described by its shape is a
-        collision box, from which PyBullet computes the inertia: only this default is then kept. The
+        collision box, from which PyBullet computes the inertia: no other default is then kept. The
         errors are those of `open`, but the load on the pivot is not checked.
         """
         representation = REPRESENTATIONS[method.name]
@@ -158,8 +158,8 @@ class PyBullet(Engine):
     def left_out(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
         """Return the names of the parts that are left out: collision shape, and idle joint motor.
 
-        The motor is named only if a joint holds the body. A method as shipped, or by contact,
-        leaves out neither.
+        The motor is named only if a joint holds the body. A method as shipped, or one
+        that holds the body on a table by a contact, leaves out neither.
         """
         representation = REPRESENTATIONS[method.name]
         if representation.as_shipped or representation.by_contact:
@@ -167,7 +167,7 @@ class PyBullet(Engine):
         return (SHAPE, MOTOR) if representation.hangs(scenario) else (SHAPE,)
 
     def at_version(self, version: str) -> Release:
-        """Return a version of PyBullet, with the same methods."""
+        """Return what to install for a version of PyBullet, and the methods, which are the same."""
         return release(version, self.methods)
 
     def defaults(self, scenario: Scenario, method: Method) -> tuple[str, ...]:
@@ -181,7 +181,7 @@ class PyBullet(Engine):
 
 
 def release(version: str, methods: tuple[Method, ...]) -> Release:
-    """Return a version of PyBullet, with the packages to install.
+    """Return what to install for a version of PyBullet, and the given methods, which it has.
 
     Versions up to 3.2.6 need numpy 1.
     """

@@ -52,5 +52,5 @@ class PyBulletFile(FileEngine):
         return PyBulletSession(scenario, representation, timestep)
 
     def at_version(self, version: str) -> Release:
-        """Return a version of PyBullet, with this engine's methods."""
+        """Return what to install for a version of PyBullet, and this engine's methods."""
         return release(version, self.methods)

@@ -49,8 +49,8 @@ class PyBulletModelReader(ModelReader):
     def read(self, model: ModelFile, configuration: str) -> dict[str, BodyReading]:
         """Load a file; return its bodies, by the names of their links.
 
-        Shapes are loaded only in the configuration `DEFAULT`, in which PyBullet computes tensors
-        from them.
+        `configuration` is the name of one of the reader's `configurations`. Shapes are loaded only
+        in `DEFAULT`, in which PyBullet computes tensors from them.
         """
         asks_shapes = configuration == DEFAULT
         flags = p.URDF_IGNORE_VISUAL_SHAPES
@@ -69,7 +69,10 @@ class PyBulletModelReader(ModelReader):
 
 
 def _load(client: int, file: str, flags: int) -> int | None:
-    """Load a file; return PyBullet's number of the body, or None if PyBullet refuses the file."""
+    """Load a file; return PyBullet's number of the body, or None if PyBullet refuses the file.
+
+    `client` is PyBullet's number of the world; `flags` are those of `loadURDF`.
+    """
     try:
         return int(p.loadURDF(file, flags=flags, physicsClientId=client))
     except p.error:
@@ -77,7 +80,7 @@ def _load(client: int, file: str, flags: int) -> int | None:
 
 
 def _bodies(client: int, body: int) -> dict[str, BodyReading]:
-    """Return the links of a loaded body, by their names."""
+    """Return the links of a loaded body, each as a body in its own axes, by their names."""
     bodies = {}
     for link in range(BASE, p.getNumJoints(body, client)):
         if link == BASE:

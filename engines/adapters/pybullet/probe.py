@@ -108,11 +108,11 @@ class Probe:
         return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
 
     def unlike(self) -> tuple[str, str, str]:
-        """Return words on a torque, a resistance and a force that differ from the scene's.
+        """Return descriptions of a torque, a resistance and a force; empty where the scene's act.
 
         These are the torque at rest, the change of the torque by a slow spin, and the force on the
-        com. The words on each are empty if it is that of the scene. Gravity is off, so that the
-        force should be zero; it is not compared along axes along which a joint holds the body.
+        com. Gravity is off, so that the force should be zero; it is not compared along axes along
+        which a joint holds the body.
         """
         torque, force, resistance = "", "", ""
         _, at_rest = self.gains(np.zeros(3))
@@ -127,7 +127,7 @@ class Probe:
         return torque, resistance, force
 
     def wrong_hinges(self) -> list[str]:
-        """Return words on each hinge of a rotor that exerts a torque about its axis.
+        """Return a description of each rotor's hinge that exerts a torque about its axis.
 
         On such a hinge the angular momentum that the scene's hinge would keep (`Rotors.kept`)
         changes in a step.

@@ -37,7 +37,7 @@ p.changeConstraint(tie, maxForce=1e100)"""
 
 
 def setup(representation: BodyRepresentation) -> str:
-    """Return the lines by which users load a URDF of their own in the way of a method."""
+    """Return lines of Python by which users load their own URDF as a method loads a scene's."""
     maximal = ", useMaximalCoordinates=True" if representation.maximal else ""
     holding = CONTACT if representation.by_contact else JOINT if representation.hung else TIE
     return f"""\
@@ -51,8 +51,9 @@ p.changeDynamics(body, -1, maxJointVelocity=1e100)
 def script(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> str:
     """Return a Python script of a run, with the record that `World` takes.
 
-    A session is opened to complete the record, because PyBullet itself finds the principal axes.
-    `EngineError` is raised if PyBullet cannot load the scene.
+    `representation` says how the body is represented and held. A session is opened to complete the
+    record, because PyBullet itself finds the principal axes. `EngineError` is raised if PyBullet
+    cannot load the scene.
     """
     with PyBulletSession(scenario, representation, timestep) as session:
         entries = [f'    "{key}": {value!r},' for key, value in session.world.scene.items()]

@@ -84,8 +84,9 @@ class PyBulletSession(Session):
         return bool(self.world.link != BASE)
 
     def restart(self, state: State, timestep: float | None = None) -> None:
-        """Set the body to a state, even to one off the pivot if a constraint holds the body.
+        """Set the body to a state, and the timestep, s, if one is given (`Session.restart`).
 
+        A body that a constraint holds may be set to a state in which it is off its pivot.
         `UnsupportedError` is raised if the pivot of a body in maximal coordinates cannot bear the
         load in that state, `EngineError` if PyBullet is interrupted.
         """
@@ -174,9 +175,10 @@ class PyBulletSession(Session):
         return Fault(int(np.argmax(clamped.any(axis=1))), "clamp", reason)
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else, read from PyBullet or measured.
+        """Return names of the effects that act, and descriptions of all else that acts.
 
-        The measurements (`what_acts`) change the body's state and PyBullet's settings.
+        Both are read from PyBullet or measured. The measurements (`what_acts`) change the body's
+        state and PyBullet's settings.
         """
         return what_acts(self.advance, self.model, self._scenario)
 

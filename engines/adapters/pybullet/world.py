@@ -141,7 +141,7 @@ class World:
         p.changeDynamics(self.body, link, physicsClientId=self.client, **numbers)
 
     def take_away_damping(self):
-        """Set linear and angular damping to 0 for all links; PyBullet keeps both with the base."""
+        """Set linear and angular damping to 0 for all links; PyBullet stores them with the base."""
         self.change(BASE, linearDamping=0, angularDamping=0)
 
     def set_motor(self, gain):
@@ -193,7 +193,7 @@ class World:
         p.changeConstraint(constraint, maxForce=UNREACHED, physicsClientId=client)
 
     def lay_under(self):
-        """Put a plane without friction and restitution under the body, at height `plane`.
+        """Put a plane without friction and restitution under the body, at the record's height.
 
         The depth of contacts that Bullet leaves uncorrected, 1e-5 m by default, is set to 0,
         because the error by it does not vanish with the timestep.
@@ -220,8 +220,8 @@ class World:
     def set_moving(self, motion):
         """Set velocities, spins and the coordinates of joints to those of a motion.
 
-        The pose of a base is left as it is. `motion` has the last group of keys of the record, or
-        is the whole record, for the start.
+        The pose of a base is left as it is. `motion` has the keys `turn`, `omega`, `place`,
+        `velocity` and `spins` of the record, or is the whole record, for the start.
         """
         place, velocity, omega = motion["place"], motion["velocity"], motion["omega"]
         if self.link == BASE:

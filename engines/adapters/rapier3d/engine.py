@@ -36,9 +36,10 @@ class Rapier3DSession(WorldSession):
     """A session of one body in a Rapier world; the body's origin is its com."""
 
     def world_body(self) -> WorldBody:
-        """Return the body as Rapier holds it, in the record's axes and with the com as origin.
+        """Return the body as Rapier holds it: mass, com, tensor, held point and rotors.
 
-        The point where the body is held is read from the anchor of its joint.
+        The origin is the com; axes are those of the scene record. The point where the body is held
+        is read from the anchor of its joint.
         """
         joint, xyz = self.world.joint, self.module.xyz
         arm = None if joint is None else xyz(joint.data.local_anchor2)
@@ -81,7 +82,10 @@ class Rapier3DSession(WorldSession):
             raise EngineError("Rapier has quarantined the body: not finite", "not-finite")
 
     def active(self) -> frozenset[str]:
-        """Return the effects that act, and words on all else that acts, read from Rapier."""
+        """Return names of the effects that act, and descriptions of all else that acts.
+
+        Both are read from Rapier.
+        """
         body, world, scenario = self.world.body, self.world.world, self.scenario
         motion = self.world.motion()
         wanted = push(self.scene, matrix(motion[:4]), motion[4:7])

@@ -51,7 +51,7 @@ class World:
 
         Parameters
         ----------
-        motion : a dict with `q`, `omega`, … as in a record
+        motion : a dict with `q`, `omega`, … as in a scene record
         timestep : length of the steps from now on, s
         """
         self.scene = scene = self.scene | motion
@@ -75,7 +75,7 @@ class World:
 
         Parameters
         ----------
-        motion : a dict with `mass`, `q`, `omega`, `com` and `velocity` as in a record
+        motion : a dict with `mass`, `q`, `omega`, `com` and `velocity` as in a scene record
         moments : principal moments, kg m², (3,)
         frame : Rapier's rotation from the principal axes to the body's axes
         """
@@ -99,7 +99,7 @@ class World:
         Parameters
         ----------
         carrier : handle of the body that carries the rotor
-        rotor : the rotor's entry in the record
+        rotor : the rotor's entry in the scene record
         spin : angular velocity about the rotor's axis, relative to the carrier, rad/s
         """
         scene, hinge = self.scene, rotor["hinge"]
@@ -142,7 +142,7 @@ class World:
     def motion(self):
         """Return the state as one array, (13 + rotors,), in world axes.
 
-        It has the attitude, w x y z, ω, rad/s, the com, m, its velocity, m/s, and the spins, rad/s.
+        It has attitude (w x y z), ω (rad/s), com (m), velocity of the com (m/s) and spins (rad/s).
         """
         body = self.body
         q, omega = wxyz(body.rotation), xyz(body.angvel)
