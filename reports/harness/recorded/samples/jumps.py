@@ -235,7 +235,7 @@ def _jump(data: Intervals, deviations: FloatArray, k: int) -> Jump:
             "written before an engine corrects it, or by a step that begins wrongly"
         )
         return Jump("first", at, words)
-    like = "a state is set, or something strikes it"
+    like = "a state is set, something strikes it, or a method's coordinates have a pole"
     if np.sum((deviations[k, 3:] / data.scale[k, 3:]) ** 2) < 1:
         like = "the attitude alone is set, or an angle is read from another branch"
     return Jump(
