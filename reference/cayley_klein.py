@@ -27,7 +27,7 @@ class CayleyKlein(NamedTuple):
 
     @property
     def quaternion(self) -> Quaternion:
-        """The attitude as a unit quaternion, w x y z."""
+        """The attitude, body to world, as a unit quaternion, w x y z."""
         return (self.A.real, -self.B.imag, self.B.real, self.A.imag)
 
     def rates(self, omega: Vector) -> tuple[mpc, mpc]:

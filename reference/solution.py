@@ -43,7 +43,7 @@ class Solution:
         )
 
     def require_more_than_the_start(self) -> None:
-        """Raise `IntegrationError` if the motion ends before the second of its times."""
+        """Raise `IntegrationError` if the motion ends before the first time after its start."""
         if self.horizon is not None and len(self.trajectory.t) < 2:
             raise IntegrationError(
                 f"no sample but the first is known: {self.ending}; "

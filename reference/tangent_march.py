@@ -61,7 +61,10 @@ LOWER = 4
 
 @kernel
 def _move(series: Dual, tensor: Table, n: int) -> None:
-    """Write the n-th Taylor coefficient of δI ω; `tensor` is δI, the derivative of the inertia."""
+    """Write the n-th Taylor coefficient of δI ω into `series`, which has that of ω.
+
+    `tensor` is δI, the derivative of the inertia.
+    """
     for i in range(3):
         moved = zero(series.value)
         for j in range(3):

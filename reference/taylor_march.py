@@ -123,9 +123,10 @@ def _stop_if_stopped(series: Table) -> None:
 
 @kernel
 def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
-    """Write the vectors that are fixed in the world into order 0 of a Taylor series.
+    """Complete order 0 of a Taylor series, to which the state has been written.
 
-    Order 0 has the state already; under drag, its ω is set to 0 if it is below `STOPPED`, rad/s.
+    The vectors that are fixed in the world and in `terms`, such as the vertical, are added, in body
+    axes. Under drag, an ω below `STOPPED`, rad/s, is set to 0. The parameters are those of `march`.
     """
     if terms.linear:
         _stop_if_stopped(series)

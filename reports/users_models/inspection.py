@@ -336,7 +336,8 @@ def _link_reading(
 def attitude_apart(stated: FloatArray, got: FloatArray, times: FloatArray) -> FloatArray | None:
     """Return the angles between the attitudes of two bodies that tumble freely, rad, (n,).
 
-    Both start with the same attitude and ω. An angle that rounding may cause is returned as zero.
+    Both start with attitude 1 and with the ω of components `START`, rad/s, along the principal axes
+    of `stated`. An angle that rounding may cause is returned as zero.
 
     Parameters
     ----------

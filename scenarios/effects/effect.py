@@ -116,7 +116,7 @@ class Scene(Protocol):
 
     @property
     def pushed(self) -> dict[str, Any]:
-        """The numbers that the function `push` reads, by name."""
+        """The numbers that `push.push` computes the torque of effects from, by name."""
 
     @property
     def acting(self) -> "tuple[Effect, ...]":

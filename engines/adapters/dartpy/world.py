@@ -79,7 +79,11 @@ class World:
         return [joint.getVelocity(0) if joint.getNumDofs() else 0.0 for joint, _ in self.rotors]
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with keys of a scene record, and the timestep, s."""
+        """Set another motion, and the timestep, s.
+
+        `motion` has the keys of a scene record that state the start: `q`, `omega`, `com`,
+        `velocity` and, with rotors, `spins`.
+        """
         self.world.setTimeStep(timestep)
         for (joint, _), spin in zip(self.rotors, motion.get("spins", ()), strict=True):
             if joint.getNumDofs():

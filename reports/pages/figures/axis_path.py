@@ -188,7 +188,7 @@ STEADY, STEADY_ROOM = 1e-6, 0.5
 
 
 def axis_path(scene: SceneRuns) -> list[Figure]:
-    """Return three figures of the path of the body's axis.
+    """Return three figures of the path of the axis `axis_body`, such as that of symmetry.
 
     They show the path on the unit sphere, seen from above, and unrolled into azimuth and tilt.
     """

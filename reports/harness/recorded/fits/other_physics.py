@@ -478,10 +478,10 @@ class Physics:
 
     @property
     def is_open_or_turning(self) -> bool:
-        """Whether `is_open`, or whether one of two changes in `found` may be a recording mistake.
+        """Whether correcting a mistake in recording may explain the motion better than `found`.
 
-        That may be a change of how states are read, or of how the attitude follows from ω. If the
-        mistake is corrected, only the other change remains.
+        It may if `is_open`; or if `found` has two changes, and one is of how states are read, or of
+        how the attitude follows from ω: that may be the mistake, and the other all that remains.
         """
         changes = self.found.changes if self.found and not self.made_by else ()
         return self.is_open or (len(changes) > 1 and any(is_of_turning(one) for one in changes))

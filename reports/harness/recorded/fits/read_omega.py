@@ -315,7 +315,7 @@ class Filter:
 def _filtered(
     t: FloatArray, body: FloatArray, read: FloatArray, error: float
 ) -> tuple[float, str] | None:
-    """Return the linear filter with the fewest weights that makes the recorded ω of the body's.
+    """Return the linear filter with the fewest weights that turns the body's ω into the recorded.
 
     Parameters
     ----------
