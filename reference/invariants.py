@@ -52,7 +52,7 @@ class Invariant:
         return change / scale if scale > 0 else np.where(change == 0, 0.0, np.inf)
 
     def drift(self, motion: Trajectory) -> float:
-        """Return the largest value of `drift_series` along a motion."""
+        """Return the largest relative change of the conserved quantity along a motion."""
         return float(self.drift_series(motion).max())
 
 

@@ -24,5 +24,5 @@ def push(scene: Any, R_world_body: Any, omega_world: Any) -> Any:
 
 
 def is_pushed(scene: Any) -> bool:
-    """Whether a scene, given as to `push`, has a torque or drag that is not zero."""
+    """Whether a scene, in either form that `push` takes, has a torque or drag that is not zero."""
     return bool(np.any([*scene["torque_body"], *scene["torque_world"], scene["drag"]]))

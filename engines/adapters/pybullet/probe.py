@@ -108,11 +108,11 @@ class Probe:
         return self.gains(self.spin_world)[1] - self.gains(np.zeros(3))[1]
 
     def unlike(self) -> tuple[str, str, str]:
-        """Return descriptions of a torque, a resistance and a force; empty where the scene's act.
+        """Return what acts on the body in PyBullet unlike in the scene, in words; empty if alike.
 
-        These are the torque at rest, the change of the torque by a slow spin, and the force on the
-        com. Gravity is off, so that the force should be zero; it is not compared along axes along
-        which a joint holds the body.
+        The first text is on the torque at rest, the second on the resistance, which is the change
+        of the torque by a slow spin, and the third on the force on the com. Gravity is off, so that
+        the force should be zero; it is not compared along axes along which a joint holds the body.
         """
         torque, force, resistance = "", "", ""
         _, at_rest = self.gains(np.zeros(3))

@@ -176,7 +176,10 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
 
 
 def has_tensor(h: Hypothesis, _: FloatArray) -> bool:
-    """Return whether a rigid body can have the tensor of inertia of a hypothesis."""
+    """Return whether a rigid body can have the tensor of inertia of one hypothesis.
+
+    The parameters of the change, which `Change.is_possible` is called with, are not used.
+    """
     return is_of_a_body(h.inertia)
 
 

@@ -14,7 +14,10 @@ NOTICED, NEGLIGIBLE = 1.5, 1e-6
 
 
 def default_tables(scene: SceneRuns) -> list[Captioned]:
-    """Return a table for each engine whose defaults were measured one by one."""
+    """Return a table for each engine that was run with each of its defaults switched on alone.
+
+    A table shows the errors with each default alone, and with all others.
+    """
     return [
         Captioned(
             f"{measured.key.label} at {duration(measured.timestep)}",

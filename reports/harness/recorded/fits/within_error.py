@@ -134,13 +134,13 @@ def _beside(
     next_term: float,
     size: FloatArray,
 ) -> tuple[Fit | None, FloatArray]:
-    """Return the fit of a change, or a pair, that explains a motion beside errors of one size.
+    """Fit a change, or a pair, that explains a motion together with method errors of a given size.
 
     Parameters
     ----------
+    data : the S intervals of the motion
     errors : the methods' errors by each of k elementary differentials with a coefficient of one,
         rad and rad/s, (k, S, 6)
-    data : the intervals of the motion
     changes : the changes that are tried
     most : the most parameters of a fit
     next_term : size of the next term of a method's error, relative to the leading term

@@ -10,6 +10,7 @@ from .....reference.other_equations import equations_of
 from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.rotation import norms
 from ...explaining.search import LEFT
+from .digits import runs
 from .intervals import NEAR, derivatives_of_flow, deviations_from_flow, states_of
 
 #: Least number of samples in which alternation can be found.
@@ -101,22 +102,26 @@ class Alternation:
 def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Alternation | None:
     """Return the part of a motion's errors that alternates from sample to sample.
 
-    None is returned if there are too few samples, or if they are too far apart.
+    Only the longest part of the motion is used in which samples are near enough. None is returned
+    if it has too few of them.
 
     Parameters
     ----------
     motion : the recorded motion
     floor : errors of attitude, rad, and ω, rad/s, by the rounding of printed numbers, (2,)
     """
-    fastest = float(norms(motion.omega_body).max())
-    # Fast rotors or a strong torque make the body nutate faster than it turns.
-    rate = max(fastest, float(equations_of(scenario).rate))
-    if len(motion.t) < FEWEST or rate * np.median(np.diff(motion.t)) >= NEAR:
+    # Fast rotors or a strong torque make the body nutate faster than it turns; drag does not.
+    nutating = [one.rate(scenario) for one in scenario.acting if not one.decay(scenario)]
+    speeds = norms(motion.omega_body)
+    is_near = np.maximum(speeds, max(nutating, default=0.0)) * np.median(np.diff(motion.t)) < NEAR
+    near = max(runs(is_near[1:]), key=lambda run: run[1] - run[0], default=(0, 0))
+    if near[1] + 1 - near[0] < FEWEST:
         return None
+    motion, fastest = motion.at(np.arange(near[0], near[1] + 1)), float(speeds.max())
     # These deviations are already differences of the noise of two samples.
-    first = deviations_from_flow(scenario, motion)
+    deviations = deviations_from_flow(scenario, motion)
     least = np.maximum(PRINTED * floor, LEAST * np.array([1.0, fastest]))
-    squares = [_differences(first, lag) for lag in OF_DIFFERENCES]
+    squares = [_differences(deviations, lag) for lag in OF_DIFFERENCES]
     every, every_second = (
         np.sqrt(np.array([np.mean(one, axis=0) for one in two])) for two in squares
     )
