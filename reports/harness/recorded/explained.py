@@ -312,15 +312,16 @@ def _of_attitudes(case: Case) -> list[str]:
     """Return sentences on other equations that the attitudes obey, and on how ω was misrecorded.
 
     The list is empty if no such equations are found, or if the wrong ω cannot be explained beside
-    them. It is empty, too, if the case is only a trial, if ω was not recorded, or if other
-    equations explain attitude and ω together, but for noise or a method's errors.
+    them. It is empty, too, if the case is only a trial, if ω was not recorded, if the motion is
+    within a method's error, which so many parameters may imitate, or if other equations explain
+    attitude and ω together, but for noise or a method's errors.
     """
     physics = case.physics
     found = physics.found or physics.by_change
     remainder = physics.after(found) if found else None
     if (
         case.is_trial
-        or not case.has_omega
+        or not (case.has_omega and physics.is_beyond)
         or (remainder and (remainder.made_by or remainder.is_of_method))
     ):
         return []
