@@ -261,6 +261,9 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
     is_noise = alternates.is_noise & [is_large or not case.has_omega, case.has_omega]
     if is_computed or not is_noise.any():
         return None, alternates
+    # Errors of a method alternate, too, where rotors turn by radians between samples.
+    if case.timestep is not None and case.physics.is_of_method:
+        return None, alternates
     return np.maximum(alternates.noise, case.floor), None
 
 

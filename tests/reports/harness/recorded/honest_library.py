@@ -55,7 +55,7 @@ def stepped_run(scenario: Scenario, which: int, turn: float) -> OfLibrary | None
     if run.outcome != "ok" or run.trajectory is None:
         return None
     motion, stated = run.trajectory, {"timestep": repr(turn / rate)}
-    return OfLibrary(f"order {method.order}", scenario, _arrays(motion), stated, method.order)
+    return OfLibrary(f"order {method.order}", scenario, arrays_of(motion), stated, method.order)
 
 
 def noisy(scenario: Scenario, size: float, *, is_stated: bool) -> OfLibrary:
@@ -65,7 +65,7 @@ def noisy(scenario: Scenario, size: float, *, is_stated: bool) -> OfLibrary:
     turned = Rotation.from_rotvec(chance.normal(0, size, exact.omega_body.shape))
     q = Rotation.from_quat(exact.q_world_body_wxyz, scalar_first=True) * turned
     omega = exact.omega_body + chance.normal(0, size * speed, exact.omega_body.shape)
-    arrays = _arrays(exact) | {"q": q.as_quat(scalar_first=True), "omega": omega}
+    arrays = arrays_of(exact) | {"q": q.as_quat(scalar_first=True), "omega": omega}
     noise = {"noise_attitude": repr(size), "noise_omega": repr(size * speed)}
     source = "noise that is stated" if is_stated else "noise that is not stated"
     return OfLibrary(source, scenario, arrays, noise if is_stated else {})
@@ -73,7 +73,7 @@ def noisy(scenario: Scenario, size: float, *, is_stated: bool) -> OfLibrary:
 
 def printed(scenario: Scenario) -> Iterator[OfLibrary]:
     """The exact motion in all digits, in nine, and in single precision."""
-    arrays = _arrays(_exact(scenario))
+    arrays = arrays_of(_exact(scenario))
     nine = np.vectorize(lambda x: float(f"{x:.9g}"), otypes=[float])
     for source, written in (
         ("all digits", lambda x: x),
@@ -102,7 +102,7 @@ def _exact(scenario: Scenario) -> Trajectory:
     return solve(scenario, scenario.times).trajectory
 
 
-def _arrays(motion: Trajectory) -> Arrays:
+def arrays_of(motion: Trajectory) -> Arrays:
     """The arrays of a recording, com, velocity and spins among them."""
     names = {"t": "t", "q": "q_world_body_wxyz", "omega": "omega_body"}
     names |= {"com": "com_world", "velocity": "velocity_world"}
