@@ -234,7 +234,8 @@ class World:
 
         Parameters
         ----------
-        motion : a motion with the keys of the scene's record
+        motion : a dict with `q`, `omega`, `com`, `velocity` and, with rotors, `spins` as in a scene
+            record
         timestep : length of the steps from now on, s
         """
         self.timestep = timestep

@@ -85,6 +85,7 @@ def batch(
 def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
     """Return MJX's model of an MJCF, and MJX's data with default coordinates and zero velocities.
 
+    `is_double` says whether MJX computes in double precision, else in single.
     They are cached, because MJX takes a tenth of a second to make them.
     """
     module = _module()

@@ -71,7 +71,11 @@ class World:
         return joint
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with keys of a scene record, and the timestep, s."""
+        """Set another motion, and the timestep, s.
+
+        `motion` is a dict with `q`, `omega`, `com`, `velocity` and, with rotors, `spins` as in a
+        scene record.
+        """
         self.timestep = timestep
         w, x, y, z = motion["q"]
         R = pinocchio.Quaternion(np.array((x, y, z, w))).matrix()

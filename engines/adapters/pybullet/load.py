@@ -92,7 +92,8 @@ def load(
 def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str, Any]:
     """Return those entries of the record for `World` that are known before the body is loaded.
 
-    Entries along principal axes are missing, because PyBullet finds these axes as it loads.
+    They say how the body is loaded and what acts on it: the first two groups of keys that `World`
+    lists. Entries along principal axes are missing, because PyBullet finds these axes as it loads.
     """
     start, is_pivot = scenario.start, scenario.constraint.is_pivot
     hung = representation.hangs(scenario)

@@ -114,7 +114,8 @@ class PyBulletSession(Session):
 
         Parameters
         ----------
-        motion : a motion as `World.restart` takes it; its attitude is used
+        motion : a motion as `World.restart` takes it; only its attitude, `turn`, and its `spins`
+            are used
         place : position of the com, m, world axes, (3,)
         """
         rest = np.zeros(3)
