@@ -143,9 +143,11 @@ def _checked(
 
     Parameters
     ----------
+    session : the session that took the snapshots
     snapshots : the block's n snapshots
     states : the n states that the snapshots were converted to
     end : how the block ended by what the engine reported, before its states are checked
+    bounds : bounds that every state must keep
     """
     block_faults = list(faults(states, bounds))
     if fault := session.first_fault(snapshots, states):

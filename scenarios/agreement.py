@@ -63,7 +63,10 @@ class ErrorNorm:
     exact: Trajectory
 
     def table(self, motion: Trajectory) -> FloatArray:
-        """Return all signals of a motion side by side, SI, (n, columns of all signals)."""
+        """Return all signals of a motion side by side, SI, (n, columns of all signals).
+
+        There is a row for each of the motion's n samples.
+        """
         return np.column_stack([self._values(signal, motion) for signal in self.signals])
 
     @cached_property
@@ -73,7 +76,7 @@ class ErrorNorm:
 
     @cached_property
     def true_table(self) -> FloatArray:
-        """All signals of the exact motion side by side, SI, (n, columns of all signals)."""
+        """All signals of the exact motion's n samples, SI, (n, columns of all signals)."""
         return self.table(self.exact)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
@@ -123,7 +126,7 @@ class ErrorNorm:
         return limit
 
     def _values(self, signal: Signal, motion: Trajectory) -> FloatArray:
-        """Return the values of a signal along a motion, SI, (n,) for a scalar, else (n, columns).
+        """Return a signal at a motion's n samples, SI, (n,) for a scalar, else (n, columns).
 
         Quaternions are normalised, and have the sign nearer to the exact motion's.
         """

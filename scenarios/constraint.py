@@ -42,7 +42,7 @@ class Constraint:
         return read_only(self.lever_exact)
 
     def com_world(self, lever_world: FloatArray, flown_world: FloatArray) -> FloatArray:
-        """Return the position of the centre of mass at given attitudes, m, (n, 3) or (3,).
+        """Return the position of the centre of mass at n attitudes, m, (n, 3), or at one, (3,).
 
         Parameters
         ----------
@@ -54,7 +54,7 @@ class Constraint:
         return np.where(self.is_held, place_world + lever_world, flown_world)
 
     def velocity_world(self, swing_world: FloatArray, flown_world: FloatArray) -> FloatArray:
-        """Return the velocity of the centre of mass in given states, m/s, (n, 3) or (3,).
+        """Return the velocity of the centre of mass in n states, m/s, (n, 3), or in one, (3,).
 
         Parameters
         ----------

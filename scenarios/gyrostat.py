@@ -162,7 +162,7 @@ class Rotors:
         Parameters
         ----------
         kept : each rotor's constant angular momentum about its axle, from `Rotors.kept`, kg m²/s,
-            (n, rotors) or (rotors,)
+            in n states, (n, rotors), or in one, (rotors,)
         """
         return np.asarray(kept @ self.axes_body)
 

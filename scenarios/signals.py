@@ -135,12 +135,15 @@ def _speed(scene: Scene, exact: Trajectory) -> float:
 
 
 def _fastest(_: Scene, exact: Trajectory) -> float:
-    """Return the larger of two maxima over the exact motion, rad/s: |ω| and the norm of spins."""
+    """Return the larger of two maxima over the exact motion, rad/s: |ω| and the norm of spins.
+
+    The scene, which is the first argument, is not used.
+    """
     return max(_longest(exact.spins), _longest(exact.omega_body))
 
 
 def _longest(vectors: FloatArray) -> float:
-    """Return the largest norm of vectors, (n, k)."""
+    """Return the largest norm of n vectors of k components, (n, k)."""
     return float(norms(vectors).max())
 
 

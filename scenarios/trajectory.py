@@ -104,7 +104,7 @@ class Trajectory:
         return Trajectory(**{one.name: getattr(self, one.name)[::n] for one in fields(self)})
 
     def at(self, samples: NDArray[np.intp]) -> "Trajectory":
-        """Return the trajectory of the samples with given indices, (k,), which must increase."""
+        """Return the trajectory of k samples, given their indices, (k,), which must increase."""
         return Trajectory(**{f.name: getattr(self, f.name)[samples] for f in fields(self)})
 
 

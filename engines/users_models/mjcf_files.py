@@ -163,7 +163,10 @@ class CheckedFiles:
         return attached
 
     def _model(self, element: Element, path: Path) -> tuple[str, int]:
-        """Check an attached model; return its new file name and how many elements it expands to."""
+        """Check an attached model; return its new file name and how many elements it expands to.
+
+        `path` is the file of the model, and `element` the one that names this file.
+        """
         if path not in self._models and len(self._models) < MAX_MODELS:
             name = f"model-{len(self._models)}.xml"
             self._models[path] = None
