@@ -295,7 +295,7 @@ class Engine(Adapted, ABC):
         ----------
         method : one of `methods`
         timestep : length of the steps, s
-        sample_steps : numbers of steps from the start to each sample, increasing from 0, (n,)
+        sample_steps : numbers of steps from the start to each of n samples, increasing from 0, (n,)
         fails_if_unlike : whether the run fails if body, start or effects differ from the scene. If
             it is false, or if the method is as shipped, `Run.reason` states the difference instead
 

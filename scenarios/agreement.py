@@ -80,12 +80,12 @@ class ErrorNorm:
         return self.table(self.exact)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
-        """Return the distances of two motions in each signal, (n, signals), given their tables.
+        """Return the distances of two motions in each signal, given their tables.
 
-        The tables are those that the method `table` returns. Distances are in rad for the attitude,
-        and relative for the other signals. Quaternions q and −q are the same attitude. If the
-        number that a signal's distances are relative to is zero, a distance is 0 where both motions
-        are equal and inf elsewhere.
+        There is a row for each of n samples, (n, signals). The tables are those that the method
+        `table` returns. Distances are in rad for the attitude, and relative for the other signals.
+        Quaternions q and −q are the same attitude. If the number that a signal's distances are
+        relative to is zero, a distance is 0 where both motions are equal and inf elsewhere.
         """
         apart = table - other
         first = [columns.start for columns in self._columns]
@@ -182,5 +182,5 @@ def norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
 
 
 def _normalised(q_wxyz: FloatArray) -> FloatArray:
-    """Return quaternions, (n, 4), divided by their norms."""
+    """Return n quaternions, (n, 4), divided by their norms."""
     return np.asarray(q_wxyz / norms(q_wxyz)[:, None])

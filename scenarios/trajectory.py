@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """States of a rigid body at increasing times; its arrays are read-only copies.
+    """States of a rigid body at n increasing times; its arrays are read-only copies.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Trajectory:
 
     @cached_property
     def _world_from_body(self) -> FloatArray:
-        """The rotation matrices of the attitudes, body to world components, (n, 3, 3)."""
+        """The rotation matrices of the n attitudes, body to world components, (n, 3, 3)."""
         q = self.q_world_body_wxyz
         return matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
 

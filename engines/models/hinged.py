@@ -58,11 +58,11 @@ def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def _omega_of_rates(angles: FloatArray) -> FloatArray:
-    """Return the matrices that take rates of the hinges to ω in body axes, (n, 3, 3).
+    """Return n matrices that take rates of the hinges to ω in body axes, (n, 3, 3).
 
     Parameters
     ----------
-    angles : angles of the hinges about z, y and x, rad, (n, 3)
+    angles : n rows of angles of the hinges about z, y and x, rad, (n, 3)
     """
     _, b, c = angles.T
     zero, one = np.zeros_like(b), np.ones_like(b)

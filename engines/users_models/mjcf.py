@@ -73,7 +73,7 @@ def changing_options(root: Element) -> list[str]:
 
 
 def _is_set(element: Element, key: str) -> bool:
-    """Whether an option of the compiler is on: its value is `true`, or a number above 0."""
+    """Whether the option `key` of the compiler is on: its value is `true`, or a number above 0."""
     value = element.attributes.get(key, "false")
     return value == "true" or (value != "false" and element.numbers(key, 1)[0] > 0)
 

@@ -29,6 +29,10 @@ NO_FILE = "none"
 class CheckedFiles:
     """Checks a model and the models that it attaches: inserts included files, renames other files.
 
+    Parameters
+    ----------
+    folders : the folders in which the files that a model names must be
+
     Attributes
     ----------
     files : what the new file names in the checked text stand for, by new name: the path of a file,

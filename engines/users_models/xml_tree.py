@@ -61,9 +61,12 @@ class Element:
 
     Attributes
     ----------
+    tag : the element's tag
+    attributes : values of the attributes, by name
     file : name of the file
     line : number of the line in the file where the element begins
     span : index in the file of the element's first byte, and of the byte after its last
+    children : the elements directly inside it, in the file's order
     """
 
     tag: str
@@ -274,7 +277,7 @@ def _not_xml(error: expat.ExpatError, file: str, data: bytes) -> ModelFileError:
 
 
 def tag_end(data: bytes, start: int) -> int:
-    """Return the index of the byte after the tag that starts at index `start`."""
+    """Return the index in `data` of the byte after the tag that starts at index `start`."""
     tag = _TAG.match(data, start)
     assert tag is not None, "expat has read a tag here"
     return tag.end()

@@ -164,7 +164,7 @@ class World:
     def acceleration(self, q, v):
         """Return the time derivative of the velocities v, by the articulated-body algorithm.
 
-        The scene's torques are included.
+        `q` are the coordinates. The scene's torques are included.
         """
         torque = np.zeros(len(v))
         if self.is_pushed:

@@ -196,6 +196,8 @@ class PyBulletSession(Session):
 def _open(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> Model:
     """Return the scene's body in a world of its own, at the start.
 
+    `representation` says how the body is represented and held.
+
     Raises
     ------
     EngineError
