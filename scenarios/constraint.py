@@ -46,7 +46,8 @@ class Constraint:
 
         Parameters
         ----------
-        lever_world : the lever at these attitudes, m, world axes
+        lever_world : vector from the held point to the centre of mass at these attitudes, m, world
+            axes; not used for a free body
         flown_world : position of the centre of mass in free flight, m, which is returned along axes
             that are not held
         """
@@ -58,7 +59,8 @@ class Constraint:
 
         Parameters
         ----------
-        swing_world : ω × lever in these states, m/s, world axes
+        swing_world : ω × r in these states, with r the vector from the held point to the centre of
+            mass, m/s, world axes
         flown_world : velocity of the centre of mass in free flight, m/s, which is returned along
             axes that are not held
         """

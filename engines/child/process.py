@@ -163,7 +163,11 @@ class ChildProcess:
             raise
 
     def _ask(self, expected: type[A], do: str, arguments: dict[str, Any]) -> A:
-        """Do what `ask` does, but do not end a child that breaks the protocol."""
+        """Send the call `do` to the child, and return its answer, of the class `expected`.
+
+        `arguments` has the call's further keys. The errors are those of `ask`, but a child that
+        breaks the protocol is not ended here.
+        """
         self._number += 1
         call = json.dumps({"id": self._number, "do": do} | arguments, allow_nan=False)
         if self._received:

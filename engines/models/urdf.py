@@ -107,9 +107,9 @@ def _from(origin: Vector, place: Iterable[mpf]) -> Vector:
 def _add_slides(robot: ET.Element, scenario: Scenario) -> str:
     """Add a fixed link for the world, and massless links that slide; return the last link's name.
 
-    They are added to `robot`, the URDF's outermost element.
-    There is one sliding link for each axis along which the held point may move, each on the one
-    before. For a pivot there is none, and the name is that of the fixed link.
+    They are added to `robot`, the URDF's outermost element. There is one sliding link for each axis
+    along which the held point may move, each on the one before. For a pivot there is none, and the
+    name is that of the fixed link.
     """
     ET.SubElement(robot, "link", name=WORLD_LINK)
     onto = WORLD_LINK

@@ -104,7 +104,8 @@ def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Lin
 
     Parameters
     ----------
-    joint : the name of the link's parent, and the joint that attaches it to this; None for a root
+    joint : the name of the link's parent, and the element of the joint between the two; None for a
+        root
     """
     parent, holder = joint or ("", None)
     inertial = element.only("inertial")

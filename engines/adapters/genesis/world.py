@@ -124,9 +124,9 @@ class World:
     def coordinates(self, motion):
         """Return coordinates and velocities of the body's joint in a motion, as two lists.
 
-        `motion` is a dict with `q`, `omega`, `com` and `velocity` as in a scene record.
-        The coordinates of a free joint are com, m, and attitude, w x y z. Its velocities are that
-        of the com, m/s, world axes, and ω, rad/s, body axes. A ball joint has only attitude and ω.
+        `motion` is a dict with `q`, `omega`, `com` and `velocity` as in a scene record. The
+        coordinates of a free joint are com, m, and attitude, w x y z. Its velocities are that of
+        the com, m/s, world axes, and ω, rad/s, body axes. A ball joint has only attitude and ω.
         """
         place, velocity = (motion["com"], motion["velocity"]) if self.is_free else ((), ())
         omega = matrix(motion["q"]).T @ motion["omega"]
