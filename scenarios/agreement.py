@@ -40,7 +40,8 @@ class ErrorSeries:
 
         Parameters
         ----------
-        bound : rad for the attitude, relative for the other signals
+        name : name of the signal
+        bound : the bound, in rad for the attitude, relative for the other signals
         """
         beyond = np.flatnonzero(~(self[name] <= bound))
         return int(beyond[0]) if len(beyond) else None

@@ -35,7 +35,7 @@ def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
 def kinetic_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
     """Return T = ½ m v² + ½ ω·I_com ω plus the energy of rotors, at n samples, J, (n,).
 
-    The formulas are Goldstein, eq. 1.31 and 5.16.
+    The samples are those of the motion. The formulas are Goldstein, eq. 1.31 and 5.16.
     """
     body = scenario.body
     omega = motion.omega_body

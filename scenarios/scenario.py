@@ -185,7 +185,8 @@ class Scenario:
         Parameters
         ----------
         omega_body : ω in n states, rad/s, body axes, (n, 3)
-        kept : the rotors' constant angular momenta, kg m²/s, (n, rotors) or (rotors,)
+        kept : each rotor's constant angular momentum about its axle, kg m²/s, in these states,
+            (n, rotors), or the same in all of them, (rotors,)
         """
         return self.rotors.spins(omega_body, kept)
 

@@ -293,8 +293,10 @@ def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
 
     Raises
     ------
-    ProtocolError, OSError
-        If a new process cannot be started; `ChildProcess` says which is raised when.
+    ProtocolError
+        If the command cannot be run.
+    OSError
+        If the system refuses to start a process.
     """
     idle = _idle.get(command, [])
     while idle:

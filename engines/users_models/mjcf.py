@@ -190,7 +190,13 @@ class _Reader:
         """Read the bodies inside a `replicate`, and add as many copies as its count says.
 
         The copies have names of their own, but the pose of the original: the offsets between them
-        are not computed. `element` is the `replicate`; `parent` and `frame` are those of `read`.
+        are not computed.
+
+        Parameters
+        ----------
+        element : the element `replicate`
+        parent : name of the body to which these bodies are attached; empty for the world
+        frame : pose of the element's frame in the parent's frame
         """
         (count,) = element.numbers("count", 1)
         before, separator = len(self.links), element.attributes.get("sep", "")
@@ -261,9 +267,8 @@ def _rotation(element: Element, compiler: Compiler) -> FloatArray:
     """Return the rotation matrix that an element states, (3, 3); by default the identity.
 
     There are five ways to state it (`WAYS`; MuJoCo's XML reference, *Frame orientations*).
-    `compiler` has the settings by which numbers are read.
     `ModelFileError` is raised if an element states two of them, a vector of zero, or two parallel
-    axes.
+    axes. `compiler` has the settings by which numbers are read.
     """
     ways = [key for key in WAYS if key in element.attributes]
     if len(ways) > 1:

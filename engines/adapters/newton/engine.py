@@ -180,6 +180,7 @@ def _clean(
 
     Parameters
     ----------
+    name : name of the method
     order : declared order of accuracy, of ω and of the attitude
     summary : the method in a few words
     solver : Python code, the call that makes Newton's solver; `Method.setup` contains it
@@ -202,7 +203,7 @@ def _mujoco(integrator: str, order: int, summary: str) -> Method:
 
 
 def _shipped(name: str, summary: str, effects: frozenset[str] = EFFECTS) -> Method:
-    """Return a method as shipped, of first order: one of Newton's solvers with its defaults.
+    """Return the method `name` as shipped, of first order: a solver of Newton's with its defaults.
 
     `summary` describes the solver in a few words; `effects` names the effects that it can simulate.
     """

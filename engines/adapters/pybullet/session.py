@@ -168,7 +168,10 @@ class PyBulletSession(Session):
         snapshots: Sequence[bytes],  # noqa: ARG002
         states: State,
     ) -> Fault | None:
-        """Return a fault for the first snapshot with a clamped velocity; None if there is none."""
+        """Return a fault for the first of n states with a clamped velocity; None if there is none.
+
+        `states` has the n states; `snapshots`, from which they were converted, is ignored.
+        """
         clamped = np.abs(self.model.coordinates(states)) >= self._clamp * (1 - ROTATED)
         if not clamped.any():
             return None
