@@ -128,7 +128,10 @@ def _misdeclared(engine: Engine) -> str:
 
 
 def _missing(name: str, error: BaseException) -> Missing:
-    """Return the `Missing` of an adapter that cannot be imported, with the reason in words."""
+    """Return the `Missing` of an adapter that cannot be imported, with the reason in words.
+
+    `name` is the adapter's name, and `error` what importing it raised.
+    """
     if isinstance(error, ModuleNotFoundError) and error.name:
         package = error.name.partition(".")[0]
         if package != "spincheck":

@@ -295,7 +295,7 @@ class Engine(Adapted, ABC):
         ----------
         method : one of `methods`
         timestep : length of the steps, s
-        sample_steps : numbers of steps from the start to each sample, increasing from 0, (n,)
+        sample_steps : numbers of steps from the start to each of n samples, increasing from 0, (n,)
         fails_if_unlike : whether the run fails if body, start or effects differ from the scene. If
             it is false, or if the method is as shipped, `Run.reason` states the difference instead
 
@@ -370,9 +370,9 @@ def clamped_start(scenario: Scenario, method: Method, timestep: float) -> str:
 def _samples(sampled: Sampled, sample_steps: NDArray[np.int64], timestep: float) -> dict[str, Any]:
     """Return the fields of a `Run`, by name, that follow from its samples.
 
-    `sample_steps` are the numbers of steps from the start to each sample. `trajectory` and `steps`
-    are there if any sample is valid, and `stopped_at`, the time of the first invalid sample, if the
-    outcome is not ok.
+    `sampled` has the valid samples, and `sample_steps` the numbers of steps from the start to each
+    sample. The fields `trajectory` and `steps` are there if any sample is valid, and `stopped_at`,
+    the time of the first invalid sample, if the outcome is not ok.
     """
     fields: dict[str, Any] = {}
     count = sampled.count

@@ -55,7 +55,7 @@ def sample(session: Session, sample_steps: NDArray[np.int64], bounds: Bounds) ->
     Parameters
     ----------
     session : a session that has taken no step yet
-    sample_steps : numbers of steps from the start to each sample, increasing from 0, (n,)
+    sample_steps : numbers of steps from the start to each of n samples, increasing from 0, (n,)
     bounds : bounds that every state must keep; the run diverges at the first state outside them
 
     Raises
@@ -89,7 +89,7 @@ def _blocks(steps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
     """Yield for each block the index of its first sample, and of the first sample after it.
 
     A block is a number of successive samples that are checked together. `steps` are the numbers of
-    steps from the start to each sample, increasing, (n,).
+    steps from the start to each of n samples, increasing, (n,).
     """
     first = 0
     while first < len(steps):
@@ -143,9 +143,11 @@ def _checked(
 
     Parameters
     ----------
+    session : the session that took the snapshots
     snapshots : the block's n snapshots
     states : the n states that the snapshots were converted to
     end : how the block ended by what the engine reported, before its states are checked
+    bounds : bounds that every state must keep
     """
     block_faults = list(faults(states, bounds))
     if fault := session.first_fault(snapshots, states):

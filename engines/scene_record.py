@@ -192,10 +192,12 @@ def with_rotors(
 
 
 def scene_record(scenario: Scenario) -> dict[str, Any]:
-    """Return a scene's record, with the keys of `ABOUT`, which says what their values mean.
+    """Return a scene's record: the body, what acts on it, and its start, in SI units.
 
-    `arm` is None if the body is free. `slides` and `height` are there only for a body on a table,
-    `rotors` and `spins` only for one with rotors.
+    The body has `mass`, `moments`, `axes` and `arm`, which is None if the body is free. What acts
+    on it is `gravity`, `drag`, `torque_body` and `torque_world`. The start is `q`, `omega`, `com`
+    and `velocity`. `slides` and `height` are there only for a body on a table, `rotors` and `spins`
+    only for one with rotors. `ABOUT` says what each value means.
     """
     body, frame, constraint = scenario.carrier, RecordFrame.of(scenario), scenario.constraint
     to_axes = frame.body_from_axes.inv()
@@ -219,7 +221,12 @@ def scene_record(scenario: Scenario) -> dict[str, Any]:
 
 
 def _rotor(rotor: Rotor, frame: RecordFrame) -> dict[str, Any]:
-    """Return a rotor's entry in a scene record, in the record's axes and from its origin."""
+    """Return a rotor's entry in a scene record, in the record's axes and from its origin.
+
+    It has `axis`, a unit vector; `place`, the rotor's com, m; `mass`, kg; `inertia`, the moments
+    across and along the axis, kg m²; and `hinge`, "free", "driven" or "locked". `frame` is the
+    frame of the scene's record.
+    """
     to_axes = frame.body_from_axes.inv()
     axis, place = np.array(rotor.axis, dtype=float), rotor.body.com - frame.com_body
     return {

@@ -44,5 +44,8 @@ class VariedEngine(Engine):
     def differences(
         self, scenario: Scenario, method: str, body: BodyReading, state: State
     ) -> list[Difference]:
-        """Return the quantities that differ from the scene, by the other engine's `differences`."""
+        """Return the quantities that differ from the scene, by the other engine's `differences`.
+
+        `body` and `state` were read back before the first step of the method named `method`.
+        """
         return self.base.differences(scenario, method, body, state)

@@ -37,9 +37,9 @@ class WorldSession(Session):
     ----------
     module : name of the adapter's stand-alone module, which imports the engine. It defines a class
         `World(scene, method, timestep)`, which takes the scene as a record. Its method
-        `advance(steps)` steps; `restart(motion, timestep)` sets a motion, which has the keys of a
-        record; and `motion()` returns `q`, `omega`, `com`, `velocity` and `spins` of a record as
-        one array, (13 + rotors,)
+        `advance(steps)` steps; `motion()` returns `q`, `omega`, `com`, `velocity` and `spins` of a
+        record as one array, (13 + rotors,); and `restart(motion, timestep)` sets a motion, a dict
+        with these names
     method : name of the method
     timestep : length of the steps, s
     """

@@ -40,7 +40,8 @@ class ErrorSeries:
 
         Parameters
         ----------
-        bound : rad for the attitude, relative for the other signals
+        name : name of the signal
+        bound : the bound, in rad for the attitude, relative for the other signals
         """
         beyond = np.flatnonzero(~(self[name] <= bound))
         return int(beyond[0]) if len(beyond) else None
@@ -63,7 +64,10 @@ class ErrorNorm:
     exact: Trajectory
 
     def table(self, motion: Trajectory) -> FloatArray:
-        """Return all signals of a motion side by side, SI, (n, columns of all signals)."""
+        """Return all signals of a motion side by side, SI, (n, columns of all signals).
+
+        There is a row for each of the motion's n samples.
+        """
         return np.column_stack([self._values(signal, motion) for signal in self.signals])
 
     @cached_property
@@ -73,16 +77,16 @@ class ErrorNorm:
 
     @cached_property
     def true_table(self) -> FloatArray:
-        """All signals of the exact motion side by side, SI, (n, columns of all signals)."""
+        """All signals of the exact motion's n samples, SI, (n, columns of all signals)."""
         return self.table(self.exact)
 
     def distances(self, table: FloatArray, other: FloatArray) -> FloatArray:
-        """Return the distances of two motions in each signal, (n, signals), given their tables.
+        """Return the distances of two motions in each signal, given their tables.
 
-        The tables are those that the method `table` returns. Distances are in rad for the attitude,
-        and relative for the other signals. Quaternions q and −q are the same attitude. If the
-        number that a signal's distances are relative to is zero, a distance is 0 where both motions
-        are equal and inf elsewhere.
+        There is a row for each of n samples, (n, signals). The tables are those that the method
+        `table` returns. Distances are in rad for the attitude, and relative for the other signals.
+        Quaternions q and −q are the same attitude. If the number that a signal's distances are
+        relative to is zero, a distance is 0 where both motions are equal and inf elsewhere.
         """
         apart = table - other
         first = [columns.start for columns in self._columns]
@@ -123,7 +127,7 @@ class ErrorNorm:
         return limit
 
     def _values(self, signal: Signal, motion: Trajectory) -> FloatArray:
-        """Return the values of a signal along a motion, SI, (n,) for a scalar, else (n, columns).
+        """Return a signal at a motion's n samples, SI, (n,) for a scalar, else (n, columns).
 
         Quaternions are normalised, and have the sign nearer to the exact motion's.
         """
@@ -179,5 +183,5 @@ def norm_of(scenario: Scenario, exact: Trajectory) -> ErrorNorm:
 
 
 def _normalised(q_wxyz: FloatArray) -> FloatArray:
-    """Return quaternions, (n, 4), divided by their norms."""
+    """Return n quaternions, (n, 4), divided by their norms."""
     return np.asarray(q_wxyz / norms(q_wxyz)[:, None])

@@ -112,7 +112,8 @@ def _of_current_folder(name: str) -> Iterator[Path]:
 def _find_one(name: str) -> list[Path]:
     """Return the paths of the scenario files that one name stands for.
 
-    It raises what `find` raises.
+    `ScenarioError` is raised if the name is not that of a file, a folder or a scene of the library,
+    if it cannot be read, or if a folder of this name holds no scenario or too many files.
     """
     if not name:
         raise ScenarioError("a scene's name is empty; '.' is the folder you are in")

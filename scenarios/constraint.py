@@ -42,11 +42,12 @@ class Constraint:
         return read_only(self.lever_exact)
 
     def com_world(self, lever_world: FloatArray, flown_world: FloatArray) -> FloatArray:
-        """Return the position of the centre of mass at given attitudes, m, (n, 3) or (3,).
+        """Return the position of the centre of mass at n attitudes, m, (n, 3), or at one, (3,).
 
         Parameters
         ----------
-        lever_world : the lever at these attitudes, m, world axes
+        lever_world : vector from the held point to the centre of mass at these attitudes, m, world
+            axes; not used for a free body
         flown_world : position of the centre of mass in free flight, m, which is returned along axes
             that are not held
         """
@@ -54,11 +55,12 @@ class Constraint:
         return np.where(self.is_held, place_world + lever_world, flown_world)
 
     def velocity_world(self, swing_world: FloatArray, flown_world: FloatArray) -> FloatArray:
-        """Return the velocity of the centre of mass in given states, m/s, (n, 3) or (3,).
+        """Return the velocity of the centre of mass in n states, m/s, (n, 3), or in one, (3,).
 
         Parameters
         ----------
-        swing_world : ω × lever in these states, m/s, world axes
+        swing_world : ω × r in these states, with r the vector from the held point to the centre of
+            mass, m/s, world axes
         flown_world : velocity of the centre of mass in free flight, m/s, which is returned along
             axes that are not held
         """

@@ -195,7 +195,10 @@ class Published(Table):
         return self
 
     def values(self) -> dict[str, Any]:
-        """Return the stated quantities by name; components that are not stated are None."""
+        """Return the stated quantities by their keys, such as `omega_body`, in the key's unit.
+
+        Vectors are tuples, in which components that are not stated are None.
+        """
         fields = self.model_dump(exclude={"t", "tolerance", "source"})
         return {
             name: tuple(value.values()) if isinstance(value, dict) else value

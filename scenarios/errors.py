@@ -12,8 +12,9 @@ class ScenarioError(ValueError):
 class Misfit(ValueError):
     """A value in a scene file that does not go with others, or that no scene can have.
 
-    Attributes
+    Parameters
     ----------
+    message : the rule that the value breaks
     keys : the path of keys to the wrong value, from the table whose check raises the error
     """
 

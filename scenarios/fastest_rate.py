@@ -15,7 +15,7 @@ def fastest_rate(scenario: Scenario, omega_body: FloatArray) -> float:
 
     Parameters
     ----------
-    omega_body : angular velocities of the motion, rad/s, (3,) or (n, 3)
+    omega_body : ω, rad/s, body axes, in one state, (3,), or in n states of the motion, (n, 3)
     """
     spin = float(np.linalg.norm(omega_body, axis=-1).max())
     return max(spin, *(effect.rate(scenario) for effect in scenario.acting), 0.0)

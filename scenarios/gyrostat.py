@@ -148,7 +148,7 @@ class Rotors:
         ----------
         omega_body : ω in n states, rad/s, body axes, (n, 3)
         kept : each rotor's constant angular momentum about its axle, from `Rotors.kept`, kg m²/s,
-            (n, rotors) or (rotors,)
+            in these states, (n, rotors), or the same in all of them, (rotors,)
         """
         turned = omega_body @ self.axes_body.T * self.is_free
         return np.asarray(kept / self.along - turned)
@@ -162,7 +162,7 @@ class Rotors:
         Parameters
         ----------
         kept : each rotor's constant angular momentum about its axle, from `Rotors.kept`, kg m²/s,
-            (n, rotors) or (rotors,)
+            in n states, (n, rotors), or in one, (rotors,)
         """
         return np.asarray(kept @ self.axes_body)
 

@@ -19,7 +19,8 @@ def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
     """Return L about the pivot, or about the com without one, kg m²/s, (n, 3), read-only.
 
     L = R (I_com ω + h), with h the angular momentum of rotors, plus m r × v of the com if there is
-    a pivot (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it).
+    a pivot (Goldstein, Classical Mechanics, eq. 1.28: L of the centre of mass plus L about it). It
+    is computed at the motion's n samples.
     """
     body = scenario.body
     rigid = motion.omega_body @ body.inertia_com
@@ -32,9 +33,9 @@ def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
 
 
 def kinetic_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """Return T = ½ m v² + ½ ω·I_com ω plus the energy of rotors, J, (n,).
+    """Return T = ½ m v² + ½ ω·I_com ω plus the energy of rotors, at n samples, J, (n,).
 
-    The formulas are Goldstein, eq. 1.31 and 5.16.
+    The samples are those of the motion. The formulas are Goldstein, eq. 1.31 and 5.16.
     """
     body = scenario.body
     omega = motion.omega_body
@@ -45,13 +46,13 @@ def kinetic_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
 
 
 def potential_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """Return V, the sum of the potentials of all effects that have one, J, (n,)."""
+    """Return V, the sum of the potentials of all effects that have one, at n samples, J, (n,)."""
     return _with_effects(scenario, motion, np.zeros(len(motion.t)), lambda effect: effect.potential)
 
 
 @lru_cache(maxsize=RECENT)
 def energy(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """Return kinetic plus potential energy along a motion, J, (n,), read-only."""
+    """Return kinetic plus potential energy at a motion's n samples, J, (n,), read-only."""
     return _readonly(kinetic_energy(scenario, motion) + potential_energy(scenario, motion))
 
 

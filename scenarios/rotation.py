@@ -10,7 +10,7 @@ def matrices(q_wxyz: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    q_wxyz : unit quaternions, scalar first, (n, 4)
+    q_wxyz : n unit quaternions, scalar first, (n, 4)
 
     Returns
     -------
@@ -57,7 +57,10 @@ def turned_back(R: FloatArray, vectors: FloatArray) -> FloatArray:
 
 
 def norms(vectors: FloatArray) -> FloatArray:
-    """Return the Euclidean norms of n vectors, (n, k), in half the time of numpy's own function."""
+    """Return the Euclidean norms of n vectors of k components, (n, k).
+
+    It takes half the time of numpy's own function.
+    """
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
@@ -76,7 +79,10 @@ def times(q_wxyz: FloatArray) -> FloatArray:
 
 
 def cross(u: FloatArray, v: FloatArray) -> FloatArray:
-    """Return u × v, row by row, (n, 3) or (3,); for few rows ten times as fast as numpy's own."""
+    """Return u × v for n pairs of rows, (n, 3), or for one pair of vectors, (3,).
+
+    For few rows it is ten times as fast as numpy's own function.
+    """
     if u.ndim == v.ndim == 1:
         (ux, uy, uz), (vx, vy, vz) = u.tolist(), v.tolist()
         return np.array([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
@@ -100,7 +106,7 @@ def rotation_vectors(q_from_wxyz: FloatArray, q_to_wxyz: FloatArray) -> FloatArr
 
     Parameters
     ----------
-    q_from_wxyz, q_to_wxyz : unit quaternions, (n, 4); q and −q are one attitude
+    q_from_wxyz, q_to_wxyz : n unit quaternions each, (n, 4); q and −q are one attitude
     """
     aw, ax, ay, az = q_from_wxyz.T
     bw, bx, by, bz = q_to_wxyz.T
@@ -121,7 +127,7 @@ def turning_of(q_wxyz: FloatArray, rates: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    q_wxyz : unit quaternions q, scalar first, (n, 4)
+    q_wxyz : n unit quaternions q, scalar first, (n, 4)
     rates : their derivatives q', 1/s, (n, 4)
     """
     w, v = q_wxyz[:, :1], q_wxyz[:, 1:]

@@ -68,7 +68,7 @@ class Scenario:
         return self._digest("body", "rotors", "start", "effects", "window", "expect", "known")
 
     def _digest(self, *tables: str) -> str:
-        """Return the SHA-256, hexadecimal, of some tables of the file."""
+        """Return the SHA-256, hexadecimal, of those tables of the file that `tables` names."""
         # Absent tables and keys are left out, so that a new effect in the format changes no other
         # scene's digest.
         written = self.document.model_dump_json(include=set(tables), exclude_none=True)
@@ -174,8 +174,8 @@ class Scenario:
 
         Parameters
         ----------
-        kept : constant angular momentum of each rotor about its axle, kg m²/s, (n, rotors) or
-            (rotors,)
+        kept : constant angular momentum of each rotor about its axle, kg m²/s, in n states,
+            (n, rotors), or in one, (rotors,)
         """
         return self.rotors.kept_body(kept)
 
@@ -185,7 +185,8 @@ class Scenario:
         Parameters
         ----------
         omega_body : ω in n states, rad/s, body axes, (n, 3)
-        kept : the rotors' constant angular momenta, kg m²/s, (n, rotors) or (rotors,)
+        kept : each rotor's constant angular momentum about its axle, kg m²/s, in these states,
+            (n, rotors), or the same in all of them, (rotors,)
         """
         return self.rotors.spins(omega_body, kept)
 

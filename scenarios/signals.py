@@ -60,7 +60,7 @@ class Signal:
     unit : unit of the error; empty where the error is relative
     kind : how the distance of two values is defined: for vectors and scalars as the norm of their
         difference, for quaternions as the angle of the rotation from one to the other
-    values : returns the values along a motion, SI, (n, columns), or (n,) for a scalar
+    values : returns the values at a motion's n samples, SI, (n, columns), or (n,) for a scalar
     base : returns the number that distances are relative to, in the signal's unit
     depends_on : those of the signals "omega" and "attitude" whose orders of accuracy limit this
         signal's order
@@ -135,12 +135,15 @@ def _speed(scene: Scene, exact: Trajectory) -> float:
 
 
 def _fastest(_: Scene, exact: Trajectory) -> float:
-    """Return the larger of two maxima over the exact motion, rad/s: |ω| and the norm of spins."""
+    """Return the larger of two maxima over the exact motion, rad/s: |ω| and the norm of spins.
+
+    The scene, which is the first argument, is not used.
+    """
     return max(_longest(exact.spins), _longest(exact.omega_body))
 
 
 def _longest(vectors: FloatArray) -> float:
-    """Return the largest norm of vectors, (n, k)."""
+    """Return the largest norm of n vectors of k components, (n, k)."""
     return float(norms(vectors).max())
 
 

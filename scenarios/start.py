@@ -115,7 +115,10 @@ def _attitude(table: StartTable) -> exact.Quaternion:
 
 
 def _omega_body(table: StartTable, q_world_body: exact.Quaternion) -> exact.Vector:
-    """Return the angular velocity that `[start]` states, rad/s, body axes."""
+    """Return the angular velocity that `[start]` states, rad/s, body axes.
+
+    `q_world_body` is the attitude at the start: `[start]` may state ω along world axes.
+    """
     if table.euler_zyz_rates is not None:
         assert table.euler_zyz_deg is not None
         return exact.omega_body_from_zyz_rates(table.euler_zyz_deg, table.euler_zyz_rates)

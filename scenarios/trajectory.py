@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """States of a rigid body at increasing times; its arrays are read-only copies.
+    """States of a rigid body at n increasing times; its arrays are read-only copies.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Trajectory:
 
     @cached_property
     def _world_from_body(self) -> FloatArray:
-        """The rotation matrices of the attitudes, body to world components, (n, 3, 3)."""
+        """The rotation matrices of the n attitudes, body to world components, (n, 3, 3)."""
         q = self.q_world_body_wxyz
         return matrices(q / np.linalg.norm(q, axis=1, keepdims=True))
 
@@ -104,7 +104,7 @@ class Trajectory:
         return Trajectory(**{one.name: getattr(self, one.name)[::n] for one in fields(self)})
 
     def at(self, samples: NDArray[np.intp]) -> "Trajectory":
-        """Return the trajectory of the samples with given indices, (k,), which must increase."""
+        """Return the trajectory of k samples, given their indices, (k,), which must increase."""
         return Trajectory(**{f.name: getattr(self, f.name)[samples] for f in fields(self)})
 
 

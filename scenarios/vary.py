@@ -17,8 +17,8 @@ from .write import to_toml
 def own_tables(scenario: Scenario) -> dict[str, Any]:
     """Return the TOML tables of a scene's file, without those that hold only for this scene.
 
-    Left out are the tables `OF_THE_SCENE_ALONE`, such as published values. The tables are a copy,
-    which the caller may change.
+    Left out are `published`, `expect` and `known`. The tables are a copy, which the caller may
+    change.
     """
     tables = tomllib.loads(scenario.text)
     return {key: value for key, value in tables.items() if key not in OF_THE_SCENE_ALONE}

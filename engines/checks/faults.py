@@ -32,7 +32,8 @@ class Bounds:
 def faults(states: State, bounds: Bounds) -> Iterator[Fault]:
     """Yield the first fault of each kind in n states, with the index of the state.
 
-    The kinds are the causes "not-finite", "not-unit", "clamp" and "pivot".
+    The kinds are the causes "not-finite", "not-unit", "clamp" and "pivot". `bounds` has the numbers
+    of the scene and method that the last two are judged by.
     """
     timestep = bounds.timestep
     # A quick test first: the sum is not finite if any component is not.

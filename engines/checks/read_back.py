@@ -283,7 +283,7 @@ def _pairs(
     """Yield four values for each quantity that is read back, except the attitude.
 
     The values are the quantity's name, the engine's value, the scene's value, and the size that the
-    tolerance is relative to.
+    tolerance is relative to. `reading` and `state` are body and start as the engine holds them.
     """
     body, start = scenario.body, start_state(scenario)
     arm = float(np.linalg.norm(body.com))
@@ -307,7 +307,10 @@ def _pairs(
 def body_pairs(
     scenario: Scenario, reading: BodyReading
 ) -> Iterator[tuple[str, FloatArray, FloatArray]]:
-    """Yield the name, the engine's value and the scene's value of each quantity of the body."""
+    """Yield the name, the engine's value and the scene's value of each quantity of the body.
+
+    `reading` is the body as the engine holds it.
+    """
     body = stated_body(scenario)
     yield "mass", np.array(reading.mass), np.array(body.mass)
     yield "com", reading.com, body.com

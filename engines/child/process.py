@@ -163,7 +163,11 @@ class ChildProcess:
             raise
 
     def _ask(self, expected: type[A], do: str, arguments: dict[str, Any]) -> A:
-        """Do what `ask` does, but do not end a child that breaks the protocol."""
+        """Send the call `do` to the child, and return its answer, of the class `expected`.
+
+        `arguments` has the call's further keys. The errors are those of `ask`, but a child that
+        breaks the protocol is not ended here.
+        """
         self._number += 1
         call = json.dumps({"id": self._number, "do": do} | arguments, allow_nan=False)
         if self._received:
@@ -289,8 +293,10 @@ def taken(command: tuple[str, ...], limit: float) -> ChildProcess:
 
     Raises
     ------
-    ProtocolError, OSError
-        If a new process cannot be started; `ChildProcess` says which is raised when.
+    ProtocolError
+        If the command cannot be run.
+    OSError
+        If the system refuses to start a process.
     """
     idle = _idle.get(command, [])
     while idle:

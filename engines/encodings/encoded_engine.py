@@ -189,7 +189,10 @@ class EncodedSession(Session):
         snapshots: Sequence[Any],
         states: State,  # noqa: ARG002
     ) -> Fault | None:
-        """Return the first fault that the engine's own session finds; None if it finds none."""
+        """Return the first fault that the engine's own session finds; None if it finds none.
+
+        The snapshots are its own; `states`, which are of the original scene, is ignored.
+        """
         return self._session.first_fault(snapshots, self._session.states(snapshots))
 
     def check(self) -> None:

@@ -22,12 +22,12 @@ def hinged(
 
     Parameters
     ----------
-    qpos : coordinates that end with a quaternion w, x, y, z, (n + 4,)
-    qvel : velocities that end with ω, rad/s, body axes, (n + 3,)
+    qpos : n coordinates of slides, then a quaternion w, x, y, z, (n + 4,)
+    qvel : n velocities of slides, then ω, rad/s, body axes, (n + 3,)
 
     Returns
     -------
-    The coordinates and the velocities, each with three numbers at the end, (n + 3,)
+    The coordinates and the velocities; the last three are those of the hinges, (n + 3,) each
     """
     place, q = np.split(np.asarray(qpos, dtype=float), [-QUATERNION])
     speed, omega_body = np.split(np.asarray(qvel, dtype=float), [-ANGLES])
@@ -58,11 +58,11 @@ def unhinged(qpos: FloatArray, qvel: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def _omega_of_rates(angles: FloatArray) -> FloatArray:
-    """Return the matrices that take rates of the hinges to ω in body axes, (n, 3, 3).
+    """Return n matrices that take rates of the hinges to ω in body axes, (n, 3, 3).
 
     Parameters
     ----------
-    angles : angles of the hinges about z, y and x, rad, (n, 3)
+    angles : n rows of angles of the hinges about z, y and x, rad, (n, 3)
     """
     _, b, c = angles.T
     zero, one = np.zeros_like(b), np.ones_like(b)

@@ -70,7 +70,7 @@ def mjcf(
 
     Parameters
     ----------
-    timestep : s
+    timestep : length of the steps, s
     integrator : MuJoCo's name of the integrator; None for MuJoCo's default
     left_in : MuJoCo's names of parts of a step that stay on although the scene does not need them;
         all others of the names that `switched_off` returns are switched off
@@ -140,7 +140,10 @@ def start_coordinates(scenario: Scenario) -> tuple[list[float], list[float]]:
 
 
 def _add_body(world: ET.Element, scenario: Scenario, description: Description) -> None:
-    """Add the body to the world, with its parts, joints and rotors."""
+    """Add a scene's body, with its parts, joints and rotors, to an MJCF's `worldbody`, `world`.
+
+    `description` says how the body is written.
+    """
     elements: list[ET.Element] = []
     for part in parts_of(scenario.carrier, description.parts):
         if part.onto is None:
@@ -176,7 +179,10 @@ def armature(rotor: Rotor) -> float:
 
 
 def _add_inertia(element: ET.Element, body: Body, description: Description = PLAIN) -> None:
-    """Add a body's inertia to an element: `inertial`, or, for `Description.shape`, a box."""
+    """Add a body's inertia to an element: an `inertial`, or, if `description.shape` is true, a box.
+
+    `description` says how the body is written into the model.
+    """
     frame = principal_frame(body)
     pos, quat = decimals(body.com), decimals(frame.q_body_axes_wxyz)
     if description.joint == "aligned":
@@ -262,7 +268,7 @@ def _actuator(
 ) -> ET.Element:
     """Return an actuator that exerts the torque (constant + per_velocity · ω·axis) along `axis`.
 
-    It does not depend on control signals.
+    It acts on the joint of the scene's body, and does not depend on control signals.
 
     Parameters
     ----------

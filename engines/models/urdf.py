@@ -107,8 +107,9 @@ def _from(origin: Vector, place: Iterable[mpf]) -> Vector:
 def _add_slides(robot: ET.Element, scenario: Scenario) -> str:
     """Add a fixed link for the world, and massless links that slide; return the last link's name.
 
-    There is one sliding link for each axis along which the held point may move, each on the one
-    before. For a pivot there is none, and the name is that of the fixed link.
+    They are added to `robot`, the URDF's outermost element. There is one sliding link for each axis
+    along which the held point may move, each on the one before. For a pivot there is none, and the
+    name is that of the fixed link.
     """
     ET.SubElement(robot, "link", name=WORLD_LINK)
     onto = WORLD_LINK
@@ -135,6 +136,7 @@ def _add_rotor(
 
     Parameters
     ----------
+    robot : the URDF's outermost element
     number : number of the rotor, from 1
     place : the rotor's com in the frame of the body's link, m
     thickness : relative margin of the triangle inequality (see `urdf`)
@@ -156,6 +158,8 @@ def _add_link(
 
     Parameters
     ----------
+    robot : the URDF's outermost element
+    name : name of the link
     body : mass, com and tensor of the link; if None, the link states no inertia
     thickness : relative margin of the triangle inequality (see `urdf`); unused if `whole`
     whole : whether the tensor is written along the link's axes, with products of inertia; if not,
@@ -182,6 +186,8 @@ def _add_box(robot: ET.Element, body: Body, thickness: float) -> None:
 
     Parameters
     ----------
+    robot : the URDF's outermost element
+    body : the body, in the link's frame
     thickness : relative margin of the triangle inequality (see `urdf`)
     """
     frame = principal_frame(body, thickness)
@@ -200,6 +206,7 @@ def _add_shape(
 
     Parameters
     ----------
+    robot : the URDF's outermost element
     center : centre of the shape in the link's frame, m
     rpy : roll, pitch and yaw of the shape in the link's frame, rad
     shape : the shape's tag in URDF
@@ -224,6 +231,8 @@ def _add_joint(
 
     Parameters
     ----------
+    robot : the URDF's outermost element
+    name : name of the joint
     kind : URDF's type of joint
     links : names of the parent and the child
     place : origin of the child's frame in the parent's frame, m

@@ -182,11 +182,13 @@ def _of_tensor(
 ) -> tuple[str, str]:
     """Return why an engine's tensor is not the file's, in a word and a sentence; see `cause`.
 
-    Parameters not listed are those of `cause`.
-
     Parameters
     ----------
+    stated : the body that the file states
     got : the engine's tensor about the com, kg m², (3, 3)
+    apart : how far the engine's body is from the file's
+    problems : faults of the numbers that the file states for the body's links
+    made_up : where the engine's tensors come from, in words; empty if from the file
     """
     tensor = stated.inertia_com
     size = _size(tensor, got, apart)

@@ -49,7 +49,10 @@ def write_inertia(model: ModelFile, element: Element, body: BodyReading, remark:
 
 
 def _of_urdf(data: bytes, inertial: Element, body: BodyReading) -> Edits:
-    """Return the edits of a URDF that give an `<inertial>` the mass, com and tensor of a body."""
+    """Return the edits of a URDF that give an `<inertial>` the mass, com and tensor of a body.
+
+    `data` has the bytes of the URDF.
+    """
     mass, tensor = inertial.only("mass"), inertial.only("inertia")
     assert mass is not None, "the file was read"
     assert tensor is not None, "the file was read"

@@ -135,6 +135,7 @@ class FileEngine(Engine):
     ) -> list[Difference]:
         """Return the differences of the engine's body and start from the scene's.
 
+        `body` and `state` were read back before the first step of the method named `method`.
         Differences of mass, com and inertia are joined into one `Difference`, which is worded as by
         the command `inspect`.
         """

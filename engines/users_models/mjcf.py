@@ -73,7 +73,7 @@ def changing_options(root: Element) -> list[str]:
 
 
 def _is_set(element: Element, key: str) -> bool:
-    """Whether an option of the compiler is on: its value is `true`, or a number above 0."""
+    """Whether the option `key` of the compiler is on: its value is `true`, or a number above 0."""
     value = element.attributes.get(key, "false")
     return value == "true" or (value != "false" and element.numbers(key, 1)[0] > 0)
 
@@ -149,7 +149,14 @@ class _Reader:
                 self.notes.append(f"{child.where}: bodies that <{child.tag}> makes are not read")
 
     def _body(self, element: Element, parent: str, frame: Pose) -> None:
-        """Read one body and the bodies inside it; see `read` for the parameters."""
+        """Read one body and the bodies inside it.
+
+        Parameters
+        ----------
+        element : the element `body`
+        parent : name of the body that it is attached to; empty for the world
+        frame : pose, in that body's frame, of the frame in which the element states its own pose
+        """
         if len(self.links) == MAX_BODIES:
             element.refuse(f"more than {MAX_BODIES} bodies")
         name = element.attributes.get("name", "")
@@ -183,7 +190,13 @@ class _Reader:
         """Read the bodies inside a `replicate`, and add as many copies as its count says.
 
         The copies have names of their own, but the pose of the original: the offsets between them
-        are not computed. See `read` for the parameters.
+        are not computed.
+
+        Parameters
+        ----------
+        element : the element `replicate`
+        parent : name of the body to which these bodies are attached; empty for the world
+        frame : pose of the element's frame in the parent's frame
         """
         (count,) = element.numbers("count", 1)
         before, separator = len(self.links), element.attributes.get("sep", "")
@@ -227,6 +240,7 @@ def _stated(inertial: Element, frames: tuple[Element, ...], compiler: Compiler) 
     Parameters
     ----------
     frames : the frames that contain the `inertial`, from the outermost on
+    compiler : the settings by which numbers are read
     """
     pose = Pose()
     for element in (*frames, inertial):
@@ -242,7 +256,10 @@ def _stated(inertial: Element, frames: tuple[Element, ...], compiler: Compiler) 
 
 
 def _pose(element: Element, compiler: Compiler) -> Pose:
-    """Return the pose that an element states in its parent's frame; by default the identity."""
+    """Return the pose that an element states in its parent's frame; by default the identity.
+
+    `compiler` has the settings by which numbers are read.
+    """
     return Pose(np.array(element.numbers("pos", 3, ZEROS)), _rotation(element, compiler))
 
 
@@ -251,7 +268,7 @@ def _rotation(element: Element, compiler: Compiler) -> FloatArray:
 
     There are five ways to state it (`WAYS`; MuJoCo's XML reference, *Frame orientations*).
     `ModelFileError` is raised if an element states two of them, a vector of zero, or two parallel
-    axes.
+    axes. `compiler` has the settings by which numbers are read.
     """
     ways = [key for key in WAYS if key in element.attributes]
     if len(ways) > 1:
@@ -275,12 +292,15 @@ def _unit(vector: FloatArray) -> FloatArray:
 
 
 def _by_quat(values: FloatArray, _: Compiler) -> Rotation:
-    """Return the rotation of a quaternion, w x y z."""
+    """Return the rotation of a quaternion, w x y z, whose components are `values`.
+
+    The compiler's settings are ignored.
+    """
     return Rotation.from_quat(_unit(values), scalar_first=True)
 
 
 def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
-    """Return the rotation about an axis, three numbers, by an angle, the fourth.
+    """Return the rotation about an axis, the first three of `values`, by an angle, the fourth.
 
     The angle is in degrees if `compiler.degrees` is true, else in rad.
     """
@@ -289,7 +309,7 @@ def _by_axis_angle(values: FloatArray, compiler: Compiler) -> Rotation:
 
 
 def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
-    """Return the rotation by three Euler angles about the axes of `Compiler.eulerseq`.
+    """Return the rotation by three Euler angles, `values`, about the axes of `Compiler.eulerseq`.
 
     The angles are in degrees if `compiler.degrees` is true, else in rad. A small letter is an axis
     of the frame as the earlier rotations have turned it, a capital letter an axis of the parent
@@ -305,7 +325,8 @@ def _by_euler(values: FloatArray, compiler: Compiler) -> Rotation:
 def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
     """Return the rotation that takes x to the first of two vectors, and y into their plane.
 
-    The angle between y and the second vector is less than 90°.
+    The angle between y and the second vector is less than 90°. `values` has the six components of
+    the vectors; the compiler's settings are ignored.
     """
     x, y = _unit(values[:3]), _unit(values[3:])
     across = y - (y @ x) * x
@@ -316,7 +337,10 @@ def _by_xy(values: FloatArray, _: Compiler) -> Rotation:
 
 
 def _by_z(values: FloatArray, _: Compiler) -> Rotation:
-    """Return the smallest rotation that takes z to a vector; about x if the vector is along −z."""
+    """Return the smallest rotation that takes z to a vector; about x if the vector is along −z.
+
+    `values` has the vector's components; the compiler's settings are ignored.
+    """
     x, y, z = _unit(values)
     sine = np.hypot(x, y)
     axis = np.array([-y / sine, x / sine, 0.0]) if sine else np.array([1.0, 0.0, 0.0])

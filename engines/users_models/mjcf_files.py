@@ -29,6 +29,10 @@ NO_FILE = "none"
 class CheckedFiles:
     """Checks a model and the models that it attaches: inserts included files, renames other files.
 
+    Parameters
+    ----------
+    folders : the folders in which the files that a model names must be
+
     Attributes
     ----------
     files : what the new file names in the checked text stand for, by new name: the path of a file,
@@ -163,7 +167,10 @@ class CheckedFiles:
         return attached
 
     def _model(self, element: Element, path: Path) -> tuple[str, int]:
-        """Check an attached model; return its new file name and how many elements it expands to."""
+        """Check an attached model; return its new file name and how many elements it expands to.
+
+        `path` is the file of the model, and `element` the one that names this file.
+        """
         if path not in self._models and len(self._models) < MAX_MODELS:
             name = f"model-{len(self._models)}.xml"
             self._models[path] = None

@@ -169,7 +169,9 @@ class ModelFile:
 
     Attributes
     ----------
+    path : path of the file
     data : the bytes of the file
+    format : the file's format
     links : the model's links, in the file's order
     notes : sentences on oddities of the file, and on what of it was not read
     folders : the folders in which the model's files may be

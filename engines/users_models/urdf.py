@@ -71,7 +71,14 @@ def _joints(robot: Element, links: dict[str, Element]) -> dict[str, tuple[str, E
 def _check_tree(
     robot: Element, links: dict[str, Element], joints: dict[str, tuple[str, Element]]
 ) -> None:
-    """Raise `ModelFileError` unless the links form one tree, at most `MAX_DEPTH` joints deep."""
+    """Raise `ModelFileError` unless the links form one tree, at most `MAX_DEPTH` joints deep.
+
+    Parameters
+    ----------
+    robot : the file's outermost element
+    links : the elements of the links, by name
+    joints : the name of the parent link, and the joint, by the name of the child link
+    """
     roots = [name for name in links if name not in joints]
     if len(roots) > 1:
         links[roots[1]].refuse(
@@ -97,7 +104,8 @@ def _link(name: str, element: Element, joint: tuple[str, Element] | None) -> Lin
 
     Parameters
     ----------
-    joint : the name of the link's parent, and the joint that attaches it to this; None for a root
+    joint : the name of the link's parent, and the element of the joint between the two; None for a
+        root
     """
     parent, holder = joint or ("", None)
     inertial = element.only("inertial")

@@ -22,7 +22,7 @@ TEXT = b"#usda"
 def usd_links(path: Path, data: bytes) -> tuple[tuple[Link, ...], tuple[str, ...]]:
     """Return a file's rigid bodies, named by their paths, and sentences on what was not read.
 
-    The bodies are in the file's order.
+    The bodies are in the file's order. `data` has the file's bytes, and `path` is for messages.
 
     Raises
     ------
@@ -150,7 +150,10 @@ def _frame(place: Any, turn: Any, metre: float) -> Pose:
 
 
 def _check_tree(file: str, links: list[Link]) -> None:
-    """Raise `ModelFileError` if parents lead from a body back to itself."""
+    """Raise `ModelFileError` if parents lead from a body back to itself.
+
+    `file` is the file's name, for the message; `links` are its bodies.
+    """
     parents = {link.name: link.parent for link in links}
     for link in links:
         seen, at = {link.name}, link.parent

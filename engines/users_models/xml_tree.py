@@ -61,9 +61,12 @@ class Element:
 
     Attributes
     ----------
+    tag : the element's tag
+    attributes : values of the attributes, by name
     file : name of the file
     line : number of the line in the file where the element begins
     span : index in the file of the element's first byte, and of the byte after its last
+    children : the elements directly inside it, in the file's order
     """
 
     tag: str
@@ -274,7 +277,7 @@ def _not_xml(error: expat.ExpatError, file: str, data: bytes) -> ModelFileError:
 
 
 def tag_end(data: bytes, start: int) -> int:
-    """Return the index of the byte after the tag that starts at index `start`."""
+    """Return the index in `data` of the byte after the tag that starts at index `start`."""
     tag = _TAG.match(data, start)
     assert tag is not None, "expat has read a tag here"
     return tag.end()
@@ -309,7 +312,10 @@ class _Builder:
         self.root = self._open[0].children[0]
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        """Add an element to the tree; raise `ModelFileError` if a limit is exceeded."""
+        """Add an element to the tree; raise `ModelFileError` if a limit is exceeded.
+
+        expat calls this at a start tag, with the tag and its attributes.
+        """
         line, start = self._parser.CurrentLineNumber, self._parser.CurrentByteIndex
         element = Element(tag, attributes, self._file, line, (start, start))
         if len(self._open) > MAX_DEPTH:
@@ -328,7 +334,7 @@ class _Builder:
         self._open.append(element)
 
     def _end(self, tag: str) -> None:  # noqa: ARG002
-        """Set the span of the element that ends here."""
+        """Set the span of the element that ends here; expat's argument, the tag, is ignored."""
         element = self._open.pop()
         start, own_tag = element.span[0], tag_end(self._data, element.span[0])
         # For an element without an end tag, `<a/>`, expat reports the position behind the element.
@@ -337,7 +343,7 @@ class _Builder:
         element.span = (start, end)
 
     def _doctype(self, *_: object) -> None:
-        """Raise `ModelFileError`: a DTD is refused."""
+        """Raise `ModelFileError`, because a DTD is refused; expat's arguments are ignored."""
         raise ModelFileError(
             f"{self._file}:{self._parser.CurrentLineNumber}: a DTD (<!DOCTYPE …>) is refused: it "
             "can make a small file huge or read other files; remove it"

@@ -95,8 +95,8 @@ class Scene(Protocol):
 
         Parameters
         ----------
-        kept : constant angular momentum of each rotor about its axle, kg m²/s, (n, rotors) or
-            (rotors,)
+        kept : constant angular momentum of each rotor about its axle, kg m²/s, in n states,
+            (n, rotors), or in one, (rotors,)
         """
 
     @property
@@ -116,7 +116,10 @@ class Scene(Protocol):
 
     @property
     def pushed(self) -> dict[str, Any]:
-        """The numbers that `push.push` computes the torque of effects from, by name."""
+        """The numbers that `push.push` computes the torque of effects from, by name.
+
+        They are `torque_body` and `torque_world`, N m, (3,), and `drag`, N m s.
+        """
 
     @property
     def acting(self) -> "tuple[Effect, ...]":
@@ -201,14 +204,15 @@ class Effect:
     """An effect: all that distinguishes it from other effects.
 
     Most attributes are functions, which are called only for scenes that have the effect, except
-    `pushed`. "Table" is here the effect's TOML table in a scene file.
+    `pushed`. "Table" is here the effect's TOML table in a scene file, and n the number of samples
+    of a motion, or of states.
 
     Attributes
     ----------
     name : name of the effect in engines' lists and in results
     table, model : name and class of the effect's table in `[effects]`
-    is_part : whether the effect adds rotors to the body, in an array of tables beside `[effects]`
     key : the key that the table must have for this effect; empty if it need not have any
+    is_part : whether the effect adds rotors to the body, in an array of tables beside `[effects]`
     constraint : returns how the effect holds the body, given its table and the body; None if it
         does not hold the body
     pushed : returns the parameter, SI, of the effect's torque in `push`, given the effect's table,
@@ -256,7 +260,10 @@ class Effect:
     group: str = ""
 
     def force_along(self, scenario: Scene, motion: Trajectory) -> FloatArray:
-        """Return a constraint's upward force along a motion, N, (n,); `force` must not be None."""
+        """Return a constraint's upward force at a motion's n samples, N, (n,).
+
+        The effect's `force` must not be None.
+        """
         assert self.force is not None
         kept_body = scenario.kept_body(scenario.kept(motion.omega_body, motion.spins))
         R_world_body = motion.R_world_body.as_matrix()

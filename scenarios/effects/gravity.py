@@ -24,7 +24,7 @@ class GravityTable(EffectTable):
 
 
 def potential(scenario: Scene, motion: Trajectory) -> FloatArray:
-    """Return V = −m g·r, J, (n,), with r the com's position from the world's origin."""
+    """Return V = −m g·r at a motion's n samples, J, (n,), with r the com's position."""
     return np.asarray(-scenario.body.mass * (motion.com_world @ scenario.gravity_world))
 
 

@@ -69,7 +69,8 @@ def constraint(table: TableTable, body: Body) -> Constraint:
 def arm_body(scenario: Scene, up_body: FloatArray) -> FloatArray:
     """Return b, the torque about the com for each newton of the table's force, (n, 3) or (3,).
 
-    It is in m, body axes. `up_body` is the world's vertical ẑ along body axes, (n, 3) or (3,).
+    It is in m, body axes. `up_body` is the world's vertical ẑ along body axes, in n states, (n, 3),
+    or in one, (3,).
     """
     return cross(up_body, scenario.constraint.lever)
 
@@ -81,7 +82,7 @@ def normal_force(
     torque_body: FloatArray,
     pull_world: FloatArray,
 ) -> FloatArray:
-    """Return the table's upward force N, in newtons, (n,) or a number.
+    """Return the table's upward force N in n states, in newtons, (n,), or in one, a number.
 
     It is negative where the table would have to pull.
 
@@ -108,8 +109,14 @@ def answer(
 ) -> tuple[FloatArray, FloatArray]:
     """Return torque, N m, body axes, and acceleration of the com, m/s², world axes, (3,) each.
 
-    They are `torque_body` and `pull_world` plus what the table's force N contributes. The
-    parameters are those of `normal_force`, for one state.
+    They are `torque_body` and `pull_world` plus what the table's force N contributes.
+
+    Parameters
+    ----------
+    up_body : the world's vertical ẑ, body axes, (3,)
+    omega_body : ω, rad/s, body axes, (3,)
+    torque_body : all torque but that of N, including −ω × Iω, N m, body axes, (3,)
+    pull_world : acceleration of the com without the table, m/s², (3,)
     """
     force = normal_force(scenario, up_body, omega_body, torque_body, pull_world)
     pushed_up = np.array([0.0, 0.0, force / scenario.body.mass])
@@ -119,7 +126,7 @@ def answer(
 def force(
     scenario: Scene, R_world_body: FloatArray, omega_body: FloatArray, kept_body: FloatArray
 ) -> FloatArray:
-    """Return the force N of the table at given states, newtons, (n,) or a number.
+    """Return the force N of the table in n states, newtons, (n,), or in one, a number.
 
     Parameters
     ----------

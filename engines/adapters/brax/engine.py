@@ -77,7 +77,10 @@ class BraxSession(WorldSession):
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
-    """Return the method `name`, which uses the pipeline that Brax calls by this name."""
+    """Return the method `name`, of first order, which uses Brax's pipeline of this name.
+
+    `summary` describes it in a few words; `as_shipped` says whether it keeps all defaults.
+    """
     setup = f"state = brax.{name}.pipeline.step(sys, state, act)"
     return Method(name, 1, 1, summary, EFFECTS, as_shipped=as_shipped, setup=setup)
 

@@ -67,7 +67,7 @@ def mjcf(scene, options):
     Parameters
     ----------
     scene : the scene's record
-    options : Brax's own options, numbers by name
+    options : Brax's own options, numbers by name, which become `numeric` elements of the MJCF
     """
     is_free = scene["arm"] is None
     custom = "".join(f'<numeric name="{key}" data="{options[key]}"/>' for key in options)
@@ -179,9 +179,10 @@ def moved(structure, numbers, timestep, state, place, turning):
 
 @partial(jax.jit, static_argnums=(0, 1))
 def stepped(pipeline, structure, numbers, timestep, state, count):
-    """Return the state after `count` steps of a pipeline.
+    """Return the state after `count` steps of a pipeline that start from `state`.
 
-    `structure`, `numbers` and `timestep` are the arguments of `system_of`.
+    `pipeline` is the module of one of Brax's pipelines. `structure`, `numbers` and `timestep` are
+    the arguments of `system_of`.
     """
     system = system_of(structure, numbers, timestep)
     without_actuators = np.zeros(0, np.float32)
@@ -196,7 +197,7 @@ class World:
     Parameters
     ----------
     scene : the scene's record
-    method : key of `PIPELINES`
+    method : name of the method, a key of `PIPELINES`
     timestep : length of the steps, s
     """
 
@@ -217,9 +218,9 @@ class World:
         self.restart(scene, timestep)
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with keys of a scene record, and the timestep, s.
+        """Set another motion, and the timestep, s; nothing of earlier steps is left.
 
-        Nothing of earlier steps is left.
+        `motion` is a dict with `q`, `omega`, `com` and `velocity` as in a scene record.
         """
         self.timestep = single(timestep)
         R, omega = matrix(motion["q"]), np.array(motion["omega"])
@@ -274,7 +275,8 @@ class World:
 def stepped_all(pipeline, systems, states, count):
     """Return the states of all worlds after `count` steps of each.
 
-    `systems` and `states` are trees whose arrays have a row for each world.
+    `pipeline` is the module of one of Brax's pipelines. `systems` and `states` are trees whose
+    arrays have a row for each world.
     """
     without_actuators = np.zeros(0, np.float32)
     step = jax.vmap(lambda system, now: pipeline.step(system, now, without_actuators))

@@ -78,7 +78,10 @@ def _set(world: Any, plant: Any, context: Any, numbers: Any) -> Any:
 
 
 def _turning(spatial: Any, body: Any, context: Any) -> Any:
-    """Return the angular part, in body axes, (3,), of a body's spatial velocity or acceleration."""
+    """Return the angular part, in body axes, (3,), of a body's spatial velocity or acceleration.
+
+    `spatial` is this velocity or acceleration in world axes; `context` has the body's attitude.
+    """
     R = body.EvalPoseInWorld(context).rotation().matrix()
     return R.T @ spatial.rotational()
 

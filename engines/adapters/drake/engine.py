@@ -31,8 +31,14 @@ EFFECTS = COMMON_EFFECTS | {"rotors", "table"}
 def _method(name: str, order: int, summary: str, as_shipped: bool = False) -> Method:
     """Return the method of one of Drake's integration schemes, or of a discrete plant.
 
-    A discrete plant steps itself, without an integrator. `name` is the scheme's name in Drake, or
-    "discrete" or "default" for such a plant.
+    A discrete plant steps itself, without an integrator.
+
+    Parameters
+    ----------
+    name : the scheme's name in Drake, or "discrete" or "default" for a discrete plant
+    order : declared order of accuracy, of ω and of the attitude
+    summary : the method in a few words
+    as_shipped : whether the method keeps all of Drake's defaults
     """
     setup = f"""\
 plant = MultibodyPlant(time_step=0.0)

@@ -28,7 +28,10 @@ class Torque(drake.LeafSystem):
         self.DeclareAbstractOutputPort("torque", kind, self.torque)
 
     def torque(self, context, output):
-        """Set the output port's value to the torque on the body at its present attitude."""
+        """Set the value `output` of the output port to the torque on the body.
+
+        The torque is that at the body's attitude in `context`, the context of this system.
+        """
         R = self.poses.Eval(context)[int(self.body.index())].rotation().matrix()
         force = drake.ExternallyAppliedSpatialForce()
         force.body_index = self.body.index()
@@ -142,14 +145,15 @@ class World:
         return joint
 
     def offset(self, name, frame, place):
-        """Add a frame named `name`, at a position in another frame, m, (3,); return it."""
+        """Add a frame named `name`, at the position `place` in `frame`, m, (3,); return it."""
         at = drake.RigidTransform(np.array(place))
         return self.plant.AddFrame(drake.FixedOffsetFrame(name, frame, at))
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with keys of a scene record, and the timestep, s.
+        """Set another motion, and the timestep, s.
 
-        A discrete plant must have been built with the same timestep.
+        `motion` is a dict with `q`, `omega`, `com`, `velocity` and, with rotors, `spins` as in a
+        scene record. A discrete plant must have been built with the same timestep.
         """
         self.timestep, self.taken, self.clock = timestep, 0, 0.0
         self.simulator.get_mutable_context().SetTime(0.0)
@@ -179,7 +183,8 @@ class World:
     def slide_to(self, motion):
         """Set the slides so that the com has the position and velocity of a motion.
 
-        `motion` is a dict with the keys of a scene record; no other coordinate of the plant is set.
+        `motion` is a dict with `q`, `omega`, `com` and `velocity` as in a scene record. No other
+        coordinate of the plant is set.
         """
         body, context = self.body, self.context
         arm = matrix(motion["q"]) @ body.CalcCenterOfMassInBodyFrame(context)

@@ -44,7 +44,15 @@ CLOCK_SLACK = 1e-6
 def _method(
     name: str, order: int, summary: str, effects: frozenset[str] = COMMON_EFFECTS
 ) -> Method:
-    """Return the method that uses Exudyn's solver `name`, a member of `DynamicSolverType`."""
+    """Return the method that uses a solver of Exudyn's.
+
+    Parameters
+    ----------
+    name : the solver's name, a member of `DynamicSolverType`
+    order : declared order of accuracy, of ω and of the attitude
+    summary : the method in a few words
+    effects : names of the effects that the method can simulate
+    """
     setup = f"""\
 settings = exudyn.SimulationSettings()
 settings.timeIntegration.endTime = duration

@@ -234,7 +234,8 @@ class World:
 
         Parameters
         ----------
-        motion : a motion with the keys of the scene's record
+        motion : a dict with `q`, `omega`, `com`, `velocity` and, with rotors, `spins` as in a scene
+            record
         timestep : length of the steps from now on, s
         """
         self.timestep = timestep
@@ -274,7 +275,8 @@ class World:
 
         The tolerance of Newton's iteration grows with this size, a torque, N m, plus a force, N.
         The torque is the largest moment times ω², the size of the terms of ω × I ω. The force is
-        the mass times the sum of g and the com's centripetal acceleration.
+        the mass times the sum of g and the com's centripetal acceleration. Of the vectors only the
+        lengths are used, so that their axes do not matter.
 
         Parameters
         ----------

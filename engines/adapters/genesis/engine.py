@@ -127,7 +127,11 @@ def errors_told() -> Iterator[None]:
 
 
 def _method(name: str, summary: str, *, as_shipped: bool = False) -> Method:
-    """Return a method: with Genesis's integrator `name`, or, as shipped, with its default one."""
+    """Return a method, of first order, named `name`.
+
+    It uses Genesis's integrator of this name, or, if `as_shipped` is true, the default one.
+    `summary` describes it in a few words.
+    """
     setup = "" if as_shipped else SETUP.format(name)
     return Method(name, 1, 1, summary, COMMON_EFFECTS, as_shipped=as_shipped, setup=setup)
 

@@ -102,8 +102,8 @@ class World:
 
         Parameters
         ----------
-        motion : a dict with `q`, `omega`, … as in a scene record; if there are several worlds, a
-            list of such dicts, one for each world
+        motion : a dict with `q`, `omega`, `com` and `velocity` as in a scene record; if there are
+            several worlds, a list of such dicts, one for each world
         timestep : length of the steps from now on, s
         """
         self.there.reset()
@@ -111,7 +111,10 @@ class World:
         self.start(motion if isinstance(motion, list) else [motion])
 
     def start(self, motions):
-        """Set the motion of each world; `motions` has a dict for each, with keys of a record."""
+        """Set the motion of each world.
+
+        `motions` has a dict for each, with `q`, `omega`, `com` and `velocity` as in a scene record.
+        """
         pairs = [self.coordinates(motion) for motion in motions]
         with np.errstate(over="ignore"):
             q, qd = (np.array(part, np.float32) for part in zip(*pairs, strict=True))
@@ -121,8 +124,9 @@ class World:
     def coordinates(self, motion):
         """Return coordinates and velocities of the body's joint in a motion, as two lists.
 
-        The coordinates of a free joint are com, m, and attitude, w x y z. Its velocities are that
-        of the com, m/s, world axes, and ω, rad/s, body axes. A ball joint has only attitude and ω.
+        `motion` is a dict with `q`, `omega`, `com` and `velocity` as in a scene record. The
+        coordinates of a free joint are com, m, and attitude, w x y z. Its velocities are that of
+        the com, m/s, world axes, and ω, rad/s, body axes. A ball joint has only attitude and ω.
         """
         place, velocity = (motion["com"], motion["velocity"]) if self.is_free else ((), ())
         omega = matrix(motion["q"]).T @ motion["omega"]

@@ -40,8 +40,8 @@ def _compiled(trees: Any, way: str) -> Any:
 def jacobian(world: Any, way: str, steps: int) -> tuple[Any, Any]:
     """Return the state after the next `steps` steps of a world, (n,), and its Jacobian, (n, n).
 
-    A state is qpos and qvel in one array. The Jacobian is the derivative of the returned state by
-    the present one. The world itself takes no step.
+    A state is qpos and qvel in one array of n numbers. The Jacobian is the derivative of the
+    returned state by the present one. The world itself takes no step.
 
     Parameters
     ----------

@@ -85,7 +85,8 @@ def batch(
 def _in_mjx(text: str, is_double: bool) -> tuple[Any, Any]:
     """Return MJX's model of an MJCF, and MJX's data with default coordinates and zero velocities.
 
-    They are cached, because MJX takes a tenth of a second to make them.
+    Both are cached, because MJX takes a tenth of a second to make them. `is_double` says whether
+    MJX computes in double precision; else it does in single.
     """
     module = _module()
     module.in_precision(is_double)

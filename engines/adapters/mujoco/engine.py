@@ -161,11 +161,12 @@ class MuJoCo(Engine):
     ) -> MuJoCoSession:
         """Open a scene with unneeded parts of a step left in, or another description of the body.
 
-        `Engine.open_with` describes the parameters; `defaults` is ignored. `left_in` is ignored for
-        a method as shipped, which leaves in all passes. It is also ignored if the description has
-        compensated gravity, which needs the passes of gravity, springs and dampers. Flags are set
-        after compiling, because older versions refuse some of them in MJCF. The errors are those of
-        `open`.
+        `left_in` has the names, as `left_out` returns them, of the parts that are left in;
+        `description` says how the body is written into the model; `defaults` is ignored. `left_in`
+        is ignored for a method as shipped, which leaves in all passes. It is also ignored if the
+        description has compensated gravity, which needs the passes of gravity, springs and dampers.
+        Flags are set after compiling, because older versions refuse some of them in MJCF. The
+        errors are those of `open`.
         """
         check_not_too_small(scenario)
         integrator, off = _integrator(method), _switched_off(scenario, method)

@@ -25,7 +25,11 @@ world = World([model], [0], TIMESTEP, {qpos}, {qvel})"""
 
 
 def _method(name: str, order: int, summary: str) -> Method:
-    """Return the method that uses MuJoCo's integrator `name` (MJCF's name), with its order."""
+    """Return the method that uses MuJoCo's integrator `name` (MJCF's name).
+
+    `order` is its declared order of accuracy, of ω and of the attitude; `summary` describes it in a
+    few words.
+    """
     return Method(name, order, order, summary, EFFECTS, setup=setup(name))
 
 

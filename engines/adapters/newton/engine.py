@@ -178,19 +178,35 @@ def _clean(
 ) -> Method:
     """Return a clean method.
 
-    `solver` is Python code, the call that makes Newton's solver; `Method.setup` contains it.
+    Parameters
+    ----------
+    name : name of the method
+    order : declared order of accuracy, of ω and of the attitude
+    summary : the method in a few words
+    solver : Python code, the call that makes Newton's solver; `Method.setup` contains it
+    effects : names of the effects that the method can simulate
     """
     return Method(name, order, order, summary, effects, setup=SETUP.format(solver))
 
 
 def _mujoco(integrator: str, order: int, summary: str) -> Method:
-    """Return the clean method that uses one of MuJoCo Warp's integrators, by its name in Newton."""
+    """Return the clean method that uses one of MuJoCo Warp's integrators.
+
+    Parameters
+    ----------
+    integrator : the integrator's name in Newton
+    order : declared order of accuracy, of ω and of the attitude
+    summary : the integrator in a few words
+    """
     solver = f'MuJoCo(model, integrator="{integrator}", disable_contacts=True)'
     return _clean(f"mujoco-{integrator}", order, f"MuJoCo Warp's {summary}", solver)
 
 
 def _shipped(name: str, summary: str, effects: frozenset[str] = EFFECTS) -> Method:
-    """Return a method as shipped, of first order: one of Newton's solvers with its defaults."""
+    """Return the method `name` as shipped, of first order: a solver of Newton's with its defaults.
+
+    `summary` describes the solver in a few words; `effects` names the effects that it can simulate.
+    """
     return Method(name, 1, 1, f"as shipped: {summary}", effects, as_shipped=True)
 
 

@@ -42,7 +42,8 @@ class Tape:
 
         Parameters
         ----------
-        motion : the motion before the steps, a dict with `q`, `omega`, … as in a scene record
+        motion : the motion before the steps, a dict with `q`, `omega`, `com`, `velocity` and, with
+            rotors, `spins` as in a scene record
         timestep : length of the steps, s
         steps : number of steps
 
@@ -97,7 +98,7 @@ class Tape:
 
         Parameters
         ----------
-        motion : the motion before the steps
+        motion : the motion before the steps, as `jacobian` takes it
         end : Newton's state after the steps
         rows : the Jacobian that is converted, (7, 7), from `_rows`
         """

@@ -65,7 +65,7 @@ class World:
     Parameters
     ----------
     scene : the scene's record
-    method : key of `SOLVERS`
+    method : name of the method, a key of `SOLVERS`
     timestep : length of the steps, s
     others : records of more scenes, each a further world of the same model; gravity, drag and
         torques of all worlds are those of `scene`
@@ -146,8 +146,8 @@ class World:
 
         Parameters
         ----------
-        motion : a dict with `q`, `omega`, … as in a scene record; if there are several worlds, a
-            list of such dicts, one for each world
+        motion : a dict with `q`, `omega`, `com`, `velocity` and, with rotors, `spins` as in a scene
+            record; if there are several worlds, a list of such dicts, one for each world
         timestep : length of the steps from now on, s
         """
         self.timestep = timestep
@@ -171,7 +171,8 @@ class World:
         Parameters
         ----------
         scene : the scene's record
-        motion : the motion, a dict with `q`, `omega`, … as in a scene record
+        motion : the motion, a dict with `q`, `omega`, `com`, `velocity` and, with rotors, `spins`
+            as in a scene record
         """
         w, *xyz = motion["q"]
         spins = zip(scene.get("rotors", ()), motion.get("spins", ()), strict=True)

@@ -71,7 +71,11 @@ class World:
         return joint
 
     def restart(self, motion, timestep):
-        """Set another motion, a dict with keys of a scene record, and the timestep, s."""
+        """Set another motion, and the timestep, s.
+
+        `motion` is a dict with `q`, `omega`, `com`, `velocity` and, with rotors, `spins` as in a
+        scene record.
+        """
         self.timestep = timestep
         w, x, y, z = motion["q"]
         R = pinocchio.Quaternion(np.array((x, y, z, w))).matrix()
@@ -160,7 +164,7 @@ class World:
     def acceleration(self, q, v):
         """Return the time derivative of the velocities v, by the articulated-body algorithm.
 
-        The scene's torques are included.
+        `q` are the coordinates. The scene's torques are included.
         """
         torque = np.zeros(len(v))
         if self.is_pushed:

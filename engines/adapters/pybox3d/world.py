@@ -45,7 +45,7 @@ class World:
 
         Parameters
         ----------
-        motion : a dict with `q`, `omega`, … as in a scene record
+        motion : a dict with `q`, `omega`, `com` and `velocity` as in a scene record
         timestep : length of the steps from now on, s
         """
         self.scene = scene = self.scene | motion

@@ -138,9 +138,11 @@ class PyBullet(Engine):
     ) -> Session:
         """Open a scene with unneeded parts left in, with given defaults, or another description.
 
-        `Engine.open_with` describes the parameters. A body that is described by its shape is a
-        collision box, from which PyBullet computes the inertia: no other default is then kept. The
-        errors are those of `open`, but the load on the pivot is not checked.
+        `left_in` has the names of the parts, as `left_out` returns them; `defaults` has the names
+        of PyBullet's defaults that are kept, or is None for those of the method; `description` says
+        how the body is written into the URDF. A body that is described by its shape is a collision
+        box, from which PyBullet computes the inertia: no other default is then kept. The errors are
+        those of `open`, but the load on the pivot is not checked.
         """
         representation = REPRESENTATIONS[method.name]
         if description.shape:

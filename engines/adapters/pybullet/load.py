@@ -92,7 +92,8 @@ def load(
 def _record(scenario: Scenario, representation: BodyRepresentation) -> dict[str, Any]:
     """Return those entries of the record for `World` that are known before the body is loaded.
 
-    Entries along principal axes are missing, because PyBullet finds these axes as it loads.
+    They say how the body is loaded and what acts on it: the first two groups of keys that `World`
+    lists. Entries along principal axes are missing, because PyBullet finds these axes as it loads.
     """
     start, is_pivot = scenario.start, scenario.constraint.is_pivot
     hung = representation.hangs(scenario)
@@ -145,7 +146,11 @@ def scenes_own(scenario: Scenario, representation: BodyRepresentation) -> dict[s
 
 
 def _check_not_lost(scenario: Scenario, representation: BodyRepresentation) -> None:
-    """Raise `UnsupportedError` if Bullet would take a number of the body for zero."""
+    """Raise `UnsupportedError` if Bullet would take a number of the body for zero.
+
+    The number is a mass, a moment, the product of the moments or an inverse mass; which of them
+    matters depends on how the body is represented and held, `representation`.
+    """
     mass, moments = scenario.carrier.mass, scenario.carrier.principal_moments
     is_pivot, product, least = scenario.constraint.is_pivot, np.prod(moments), min(mass, *moments)
     is_jointed = is_pivot and representation.hung

@@ -142,6 +142,7 @@ class Model:
     def motion(self, state: State) -> dict[str, Any]:
         """Return a state as a motion, a dict for `World.restart`.
 
+        Its keys are `turn`, `omega`, `place`, `velocity` and `spins`, which `World` describes.
         If the body is on a spherical joint, this call turns the joint in the world to the state's
         attitude, and the motion has the joint's attitude as PyBullet then reports it, rounded.
         """
@@ -169,8 +170,8 @@ class Model:
     def in_its_axes(self, scenario: Scenario) -> dict[str, Any]:
         """Return the entries of the record that are known only after the body was loaded.
 
-        They are the principal axes that PyBullet has found, the pivot and the body-fixed torque
-        along these axes, and the motion at the start, for `World.restart`.
+        They are `axes`, the principal axes that PyBullet has found; `pivot` and `torque_body`,
+        along these axes; and the motion at the start, with the keys that `motion` returns.
         """
         start, is_pivot = scenario.start, scenario.constraint.is_pivot
         is_base, principal_from_body = self.world.link == BASE, self.body_from_principal.inv()

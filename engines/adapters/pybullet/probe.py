@@ -160,7 +160,10 @@ class Probe:
 
 
 def near(got: FloatArray, wanted: FloatArray, noise: float) -> bool:
-    """Whether two vectors are equal within the relative tolerance `SLACK` plus an error `noise`."""
+    """Whether each component of `got` is that of `wanted`, within a tolerance.
+
+    The tolerance is `SLACK` times the largest component of `wanted`, plus `noise`.
+    """
     return bool(np.abs(got - wanted).max() <= SLACK * np.abs(wanted).max() + noise)
 
 

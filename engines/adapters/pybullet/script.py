@@ -37,7 +37,10 @@ p.changeConstraint(tie, maxForce=1e100)"""
 
 
 def setup(representation: BodyRepresentation) -> str:
-    """Return lines of Python by which users load their own URDF as a method loads a scene's."""
+    """Return lines of Python by which users load their own URDF as a method loads a scene's.
+
+    `representation` says how the method represents the body and holds it.
+    """
     maximal = ", useMaximalCoordinates=True" if representation.maximal else ""
     holding = CONTACT if representation.by_contact else JOINT if representation.hung else TIE
     return f"""\

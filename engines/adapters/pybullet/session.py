@@ -114,7 +114,8 @@ class PyBulletSession(Session):
 
         Parameters
         ----------
-        motion : a motion as `World.restart` takes it; its attitude is used
+        motion : a motion as `World.restart` takes it; only its attitude, `turn`, and its `spins`
+            are used
         place : position of the com, m, world axes, (3,)
         """
         rest = np.zeros(3)
@@ -167,7 +168,10 @@ class PyBulletSession(Session):
         snapshots: Sequence[bytes],  # noqa: ARG002
         states: State,
     ) -> Fault | None:
-        """Return a fault for the first snapshot with a clamped velocity; None if there is none."""
+        """Return a fault for the first of n states with a clamped velocity; None if there is none.
+
+        `states` has the n states; `snapshots`, from which they were converted, is ignored.
+        """
         clamped = np.abs(self.model.coordinates(states)) >= self._clamp * (1 - ROTATED)
         if not clamped.any():
             return None
@@ -194,6 +198,8 @@ class PyBulletSession(Session):
 
 def _open(scenario: Scenario, representation: BodyRepresentation, timestep: float) -> Model:
     """Return the scene's body in a world of its own, at the start.
+
+    `representation` says how the body is represented and held.
 
     Raises
     ------

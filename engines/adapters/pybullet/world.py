@@ -209,7 +209,8 @@ class World:
     def restart(self, motion, timestep):
         """Set the body to a motion, and the length of the steps from now on, s.
 
-        `motion` has the last group of keys of the record: `turn`, `omega`, `place` and so on.
+        `motion` has the last group of keys of the record: `turn`, `omega`, `place`, `velocity` and
+        `spins`.
         """
         if self.link == BASE:
             place, turn = motion["place"], motion["turn"]

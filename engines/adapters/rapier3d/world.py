@@ -51,7 +51,8 @@ class World:
 
         Parameters
         ----------
-        motion : a dict with `q`, `omega`, … as in a scene record
+        motion : a dict with `q`, `omega`, `com`, `velocity` and, with rotors, `spins` as in a scene
+            record
         timestep : length of the steps from now on, s
         """
         self.scene = scene = self.scene | motion
