@@ -112,6 +112,8 @@ def compared(
 
     Parameters
     ----------
+    key : names of scene, engine and method
+    rung : the timestep and samples of the run
     answer : the run, or why its call failed, and what the engine printed
     solution : the exact motion at the samples of the rung
     steps : the evidence from single steps; None if there is none, or if their faults are expected,
@@ -168,7 +170,7 @@ def unmet_expectations(
 
 
 def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: float) -> str:
-    """Return in words the first time at which a signal's error exceeds a bound.
+    """Return in words the first time at which the error of the signal `name` exceeds a bound.
 
     It is empty if `series`, the errors at the times of `exact`, is None or never exceeds the bound.
     """
@@ -177,7 +179,10 @@ def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: floa
 
 
 def _in_unit(name: str, size: float) -> str:
-    """Return a signal's error as text: `0.705° (0.0123 rad)` if an angle, else as `1e-06`."""
+    """Return the error `size` of a signal `name` as text.
+
+    It is like `0.705° (0.0123 rad)` if the error is an angle, else like `1e-06`.
+    """
     if SIGNAL[name].unit == "rad":
         return f"{size * SIGNAL[name].shown:.3g}° ({size:.3g} rad)"
     return f"{size:.3g}"
@@ -253,6 +258,7 @@ def _words(name: str, ratio: float, since: float) -> str:
 
     Parameters
     ----------
+    name : name of the signal
     ratio : the signal's error, relative to the size of the exact signal
     since : the first time at which the error is as large as the signal in the run or in the exact
         motion, whichever is smaller, s

@@ -321,10 +321,11 @@ class Trial:
 
 
 def linear(data: Data, base: Hypothesis, changes: Sequence[Change]) -> list[Linear]:
-    """Return the changes, each linearised around parameters of zero.
+    """Return each change with its residuals, linearised around parameters of zero.
 
     Parameters
     ----------
+    data : the data whose deviations from the changed hypotheses are the residuals
     base : the hypothesis in which each change is made alone
     """
     if not changes:

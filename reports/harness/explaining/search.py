@@ -121,7 +121,7 @@ class Search:
         return [Trial(self.data, both).fit() for both in changes]
 
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
-        """Return the fit with the fewest parameters that explains the data.
+        """Return, among some fits, the one with the fewest parameters that explains the data.
 
         A fit with more parameters is returned instead if it lowers χ² significantly, and one with
         as many parameters if it leaves far smaller residuals. Fits that are not physical, or have

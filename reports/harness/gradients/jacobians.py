@@ -53,7 +53,7 @@ class Units:
         return float(self.ulp ** (1 / (ORDER + 1)))
 
     def of(self, jacobians: FloatArray) -> FloatArray:
-        """Return Jacobians, (..., 6, 6), given in rad and rad/s, in these units."""
+        """Return `jacobians`, (..., 6, 6), which are in rad and rad/s, converted to these units."""
         return np.asarray(jacobians / self.each[:, None] * self.each)
 
 

@@ -32,8 +32,8 @@ class Gains(Data):
     Attributes
     ----------
     states : K states, each repeated R times with small changes, (R K)
-    excess : the limits of the first four quantities of `step_gains`, in their units, means of
-        repeats, (K, 4, 3)
+    excess : the limits for attitude, I ω, velocity and position, means of repeats, (K, 4, 3), in
+        the units of `step_gains`
     noise : the largest error of these limits that noise may cause, (K, 4)
     """
 
@@ -46,7 +46,7 @@ class Gains(Data):
         """Return the limits of gains less those that H hypotheses predict, (H, K, 4, 3).
 
         They are in units of `scale`. A hypothesis predicts as limit the difference between the
-        rates of the four quantities by its equations and by the scene's.
+        rates of attitude, I ω, velocity and position by its equations and by the scene's.
         """
         made = np.stack([self.made(hypotheses[k]) for k in range(len(hypotheses))])
         off = (self.excess - made + self.exact) / self.scale[..., None]
@@ -54,7 +54,7 @@ class Gains(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """The error allowed to each limit, (K, 4).
+        """The error allowed to the limits of four quantities in each of K states, (K, 4).
 
         It is `noise`, plus the fraction `RANK` of the largest limit of the same quantity in any
         state.
@@ -64,14 +64,14 @@ class Gains(Data):
 
     @cached_property
     def exact(self) -> FloatArray:
-        """The rates of attitude, I ω, velocity and position by the scene's equations, (K, 4, 3)."""
+        """Rates of attitude, I ω, velocity and position in K states of the scene, (K, 4, 3)."""
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:
         """Return the rates of attitude, I ω, velocity and position by a hypothesis, (K, 4, 3).
 
-        They are in the units of `excess`, and means of repeats. On a pivot, velocity and position
-        are returned themselves, not their rates.
+        They are those in K states, means of repeats, in the units of `excess`. On a pivot, velocity
+        and position are returned themselves, not their rates.
 
         Parameters
         ----------

@@ -347,7 +347,7 @@ def _inverse_radii(measured: Measured) -> FloatArray:
 
 
 def _tail(squares: FloatArray) -> FloatArray:
-    """Return for each number the probability that χ² of three degrees of freedom is as large.
+    """Return for each of `squares` the probability of a χ² as large, of 3 degrees of freedom.
 
     This closed form (Abramowitz & Stegun, §26.4.4) takes a quarter of the time of scipy's `chdtrc`.
     """

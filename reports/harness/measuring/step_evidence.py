@@ -53,15 +53,18 @@ def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) ->
 
 
 def kind_of(look: Look) -> FaultKind:
-    """Return the kind of the clearest fault: how gains with the smallest tail fail to vanish."""
+    """Return the kind of the fault that is clearest in the steps of `look`.
+
+    It says how the gains with the smallest tail fail to vanish (`_shape`).
+    """
     return _shape(look, *_worst(look))[0]
 
 
 def _order_shown(look: Look, declared: int) -> int:
     """Return the lower of the orders of the series of gains in attitude and in I ω.
 
-    A quantity whose gains are not well above noise is ignored. If both are ignored, the declared
-    order is returned.
+    The gains are those of the steps in `look`. A quantity whose gains are not well above noise is
+    ignored. If both are ignored, the declared order is returned.
     """
     shown = [
         series.order
@@ -72,9 +75,9 @@ def _order_shown(look: Look, declared: int) -> int:
 
 
 def _curves(look: Look) -> list[GainCurve]:
-    """Return the gains of each quantity by timestep, of the state with the smallest tail.
+    """Return, for each quantity, the gains by timestep of the state with the smallest tail.
 
-    Quantities whose gains are all zero are left out.
+    The gains are those of the steps in `look`. Quantities whose gains are all zero are left out.
     """
     curves = []
     for q, (quantity, series) in enumerate(zip(QUANTITIES, look.series, strict=False)):
@@ -104,7 +107,7 @@ def _changes_below(look: Look) -> float:
 
 
 def _worst(look: Look) -> tuple[int, int]:
-    """Return the indices of the quantity and the state with the smallest tail.
+    """Return the indices of the quantity and the state with the smallest tail of gains in `look`.
 
     Among equal tails, such as zeros, that of a fault of the kind `leap` comes first, as the gains
     in the other quantities may follow from the leap.
@@ -123,6 +126,7 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
 
     Parameters
     ----------
+    look : the steps with their gains
     q, k : the indices of the quantity and of the state that show the fault
     """
     series, timesteps = look.series[q], look.steps.timesteps
@@ -147,6 +151,7 @@ def _fault(look: Look, at: Places, *, explains: bool) -> StepFault:
 
     Parameters
     ----------
+    look : the steps with their gains
     at : the states from which the steps were taken
     explains : whether changes of the equations that explain a limit are looked for
     """

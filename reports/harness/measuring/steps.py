@@ -58,7 +58,7 @@ class Sessions:
     def single_steps(
         self, states: State, timestep: float, settle: int
     ) -> tuple[Sequence[Any], Sequence[Any]]:
-        """Return snapshots before and after a step from each of n states.
+        """Return snapshots of an engine's state before and after a step from each of n states.
 
         Where an engine can, the steps are taken in one batch, which takes less time.
 
@@ -84,7 +84,7 @@ class Sessions:
         return before, batch.snapshots(places)
 
     def _single_step(self, state: State, timestep: float, settle: int) -> tuple[Any, Any]:
-        """Return the snapshots before and after a step from one state.
+        """Return snapshots of the engine's state before and after a step from a given state.
 
         Parameters
         ----------
@@ -142,7 +142,7 @@ class Steps:
     repeats: int = 1
 
     def by_timestep(self, rows: FloatArray) -> FloatArray:
-        """Return an array with a row for each step, (J R K, …), in the shape (J, R, K, …).
+        """Return the array `rows`, (J R K, …), with a row for each step, as (J, R, K, …).
 
         The new axes are those of timesteps, repeats and states.
         """
@@ -254,7 +254,7 @@ def _directions(count: int) -> FloatArray:
 
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
-    """Return the differences of velocity, m/s, and com, m, from what the constraint demands.
+    """Return by how much velocity, m/s, and com, m, of n states are off what a constraint demands.
 
     Both are along world axes, (n, 3). The constraint demands values that follow from attitude and
     ω, but only along the axes that it holds; along other axes the differences are 0.

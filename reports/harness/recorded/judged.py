@@ -88,7 +88,12 @@ class JudgedMotion:
         return self.is_beyond or bool(self.explained_by)
 
     def as_record(self) -> dict[str, Any]:
-        """Return the results as a dictionary, which `spincheck judge --json` prints for a file."""
+        """Return the results by name, as `spincheck judge --json` prints them for a file.
+
+        The names are those of the attributes, but: each of `errors` has an entry of its own, the
+        verdict is `single_verdict`, and the defects are `defect`. `exceeds_1deg_at` is added;
+        `recorded`, `solution`, `series`, `is_single` and `resolution` are left out.
+        """
         return {
             "timestep": self.timestep,
             **{SIGNAL[signal].key: error for signal, error in self.errors.items()},

@@ -244,9 +244,10 @@ class _Differentials:
         return np.where(is_kept, total, 0.0)
 
     def _slopes_in_world(self, colour: int, states: FloatArray) -> FloatArray:
-        """Return q' and ω' of states, both with ω along world axes, (n, 7).
+        """Return q' and ω' of n states by the equations that a colour stands for, (n, 7).
 
-        As ω × ω is zero, ω' along world axes is ω' along body axes, turned.
+        In the states and in the result, ω and ω' are along world axes. As ω × ω is zero, ω' along
+        world axes is ω' along body axes, turned.
         """
         q = states[:, :4]
         R = matrices(q / norms(q)[:, None])
@@ -254,9 +255,9 @@ class _Differentials:
         return np.hstack([slopes[:, :4], turned(R, slopes[:, 4:])])
 
     def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
-        """Return q' and ω' of states by the equations that a colour stands for, (n, 7).
+        """Return q' and ω' of n states by the equations that a colour stands for, (n, 7).
 
-        The quaternions of the states may have any length.
+        ω and ω' are along body axes. The quaternions of the states may have any length.
         """
         equations = self.equations[colour]
         kept = np.repeat(equations.kept[None], len(states), axis=0)

@@ -88,6 +88,7 @@ def _fit(
 
     Parameters
     ----------
+    data : all intervals together
     parts : the S intervals of `data`, one by one
     change : a change with one parameter
     unchanged : the residuals without the change, (S, 6)
@@ -162,5 +163,5 @@ def _change_in_words(change: Change, parameter: float) -> str:
 
 
 def _spread(numbers: FloatArray) -> float:
-    """Return the sum of squares about the mean."""
+    """Return the sum of the squares of the deviations of numbers from their mean."""
     return float(np.sum((numbers - np.mean(numbers)) ** 2))

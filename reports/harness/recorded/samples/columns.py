@@ -25,6 +25,7 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
+    numbers : the columns of the recording, with those of the exact motion
     omega : ω as in the file, rad/s, (n, 3)
     """
     bound, least = float(np.abs(omega).max()), CHANGES * numbers.resolution_omega
@@ -62,6 +63,7 @@ def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
+    numbers : the columns of the recording, with those of the exact motion
     omega : ω as in the file, rad/s, (n, 3)
     """
     every = [(EACH, slice(None)), *((f"w{name}", slice(k, k + 1)) for k, name in enumerate("xyz"))]
@@ -73,6 +75,7 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
 
     Parameters
     ----------
+    numbers : the columns of the recording, with those of the exact motion
     omega : ω as in the file, rad/s, (n, 3)
     which, columns : the columns, in words and as a slice
     """
@@ -98,7 +101,13 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
 
 
 def _when(t: FloatArray, a: int, b: int) -> str:
-    """Return in words the times and the number of the samples with indices from `a` to `b`."""
+    """Return in words the times and the number of the samples with indices from `a` to `b`.
+
+    Parameters
+    ----------
+    t : times of all samples, s, (n,)
+    a, b : indices of the first and of the last of the samples
+    """
     count, is_to_end = b + 1 - a, b == len(t) - 1
     if is_to_end:
         return f"from t = {t[a]:.6g} s on, for {count} samples" if a else f"in all {count} samples"

@@ -169,7 +169,7 @@ def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
 
 
 def shown_by_digits(numbers: Numbers) -> list[Shown]:
-    """Return the findings of repeated numbers, coarse rounding, and ω that is exactly zero."""
+    """Return findings of repeated numbers, coarse rounding, and zero ω in a recording's columns."""
     found = [_still(numbers) or _stale(numbers), _rounded_attitude(numbers)]
     if numbers.omega is not None:
         found += [_zeros(numbers, numbers.omega), _rounded_omega(numbers, numbers.omega)]
@@ -283,7 +283,10 @@ def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
 
 
 def _stale(numbers: Numbers) -> Shown | None:
-    """Return the finding that attitudes repeat those before them, though ω changes; or None."""
+    """Return the finding that recorded attitudes repeat those before them, though ω changes.
+
+    None is returned if none do.
+    """
     if numbers.omega is None:
         return None
     flags = numbers.same_q & ~numbers.same_omega & numbers.turns
@@ -314,6 +317,7 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
+    numbers : the columns of the recording, with those of the exact motion
     omega : ω as in the file, rad/s, (n, 3)
 
     Returns
@@ -374,6 +378,7 @@ def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
+    numbers : the columns of the recording, with those of the exact motion
     omega : ω as in the file, rad/s, (n, 3)
     """
     found = {}

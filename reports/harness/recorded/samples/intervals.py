@@ -136,7 +136,7 @@ class Intervals(Data):
         return self.rows(np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int)))
 
     def rows(self, kept: Sequence[int] | NDArray[np.int_]) -> "Intervals":
-        """Return some of the intervals, given by their indices, (k,)."""
+        """Return k of the intervals; `kept` are their indices, (k,)."""
         names = "starts", "t", "spans", "ends", "method"
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
@@ -146,7 +146,7 @@ def root_mean_squares(differences: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    differences : differences of attitude, rad, and ω, rad/s, (S, 6)
+    differences : differences of attitude, rad, and ω, rad/s, at the ends of S intervals, (S, 6)
     """
     return np.asarray(np.sqrt(np.mean(differences.reshape(-1, 2, 3) ** 2, axis=(0, 2))))
 
@@ -280,7 +280,7 @@ def _bounds(
     step_lengths: FloatArray | float,
     order: int,
 ) -> FloatArray:
-    """Return bounds on a method's error over each span, in attitude, rad, and ω, rad/s, (S, 2).
+    """Return bounds on a method's error over S spans, in attitude, rad, and ω, rad/s, (S, 2).
 
     The errors of a method of order p are proportional to the p-th power of the angle of a step. The
     factors are those of explicit Euler: its error in a step h is h²/2 times a second derivative,

@@ -28,8 +28,9 @@ def mistakes_of_translation(
 
     Parameters
     ----------
-    exact, motion : the exact and the recorded motion, at the recording's times
+    exact : the exact motion at the recording's times
     recording : the recording, which says whether com and velocity were recorded
+    motion : the recorded motion
 
     Returns
     -------
@@ -73,8 +74,9 @@ def other_translation(
 
     Parameters
     ----------
-    exact, motion : the exact and the recorded motion, at the recording's times
+    exact : the exact motion at the recording's times
     recording : the recording, of which com and velocity are checked if they were recorded
+    motion : the recorded motion
     timestep : timestep with which the motion was computed, s; None if unknown
     """
     t, arrays = exact.t, recording.arrays
@@ -165,7 +167,7 @@ def far_off(
     ----------
     is_off : the beginning of the sentence, up to the words "off by"
     unit : unit of the quantity
-    deviation : deviation of the quantity from the exact motion, (n, k)
+    deviation : deviation of the quantity's k components from the exact motion, (n, k)
     allowed : the largest error that a method and the error of the attitude explain
     rounding : the largest error by rounding
     extent : the largest size of the quantity, or its largest change
@@ -180,7 +182,7 @@ def far_off(
 
 
 def _is_smooth(deviation: FloatArray) -> bool:
-    """Return whether a deviation, (n, k), changes little from sample to sample, unlike noise."""
+    """Return whether a deviation of n samples, (n, k), changes little from one to the next."""
     changes = float(np.median(norms(np.diff(deviation, axis=0))))
     return changes < LEFT * _largest(deviation)
 
