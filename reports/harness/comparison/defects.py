@@ -48,10 +48,10 @@ class Defects:
     rounding: Errors
 
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
-        """Return the statistics of the defects, by the name of the signal.
+        """Return median, 95th percentile and largest of each signal's defects, by its name.
 
-        The floor of a signal's defects, up to which rounding may cause them, grows as the root of
-        the number of steps in an interval, like a random walk.
+        The time of the largest is added, and the floor, up to which rounding may cause defects. It
+        grows as the root of the number of steps in an interval, like a random walk.
 
         Parameters
         ----------

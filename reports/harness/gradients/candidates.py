@@ -74,9 +74,10 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The errors that finite differences make, (K, 6, 6) for each power of 10 in `POWERS`.
+        """The errors that finite differences make in the derivative of dx/dt by x, (K, 6, 6) each.
 
-        The key is True for central differences, and False for forward differences.
+        x is attitude and ω in the chart; its changes are the powers of 10 in `POWERS`. The key is
+        True for central differences, and False for forward differences.
         """
         return {
             two_sided: [self.secant(power, two_sided) for power in POWERS]

@@ -95,13 +95,13 @@ def _curves(look: Look) -> list[GainCurve]:
 
 
 def _beyond_from(look: Look) -> float:
-    """Return the shortest timestep, s, beyond some state's radius of convergence; 0 if none is."""
+    """Return the shortest timestep in `look`, s, beyond a radius of convergence; 0 if none is."""
     count = max(int(one.beyond.max()) for one in look.series)
     return float(look.steps.timesteps[count - 1]) if count else 0.0
 
 
 def _changes_below(look: Look) -> float:
-    """Return the change point, s, below which steps follow a second series; 0 if there is none."""
+    """Return the change point, s, below which steps in `look` follow a second series; else 0."""
     changes = np.concatenate([one.changes for one in look.series])
     return float(look.steps.timesteps[changes[changes > 0].min() - 1]) if changes.any() else 0.0
 
@@ -197,7 +197,7 @@ def random_fault(
 
 
 def _limits(look: Look) -> Gains:
-    """Return the limits of the gains of all states, in all quantities but the rotors' momenta."""
+    """Return the limits of gains in `look`, of all states, but not those of rotors' momenta."""
     of_the_body = look.series[: QUANTITIES.index("parts")]
     limits, errors = (
         np.stack([getattr(one, name) for one in of_the_body], axis=1)

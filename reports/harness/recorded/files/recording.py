@@ -225,7 +225,11 @@ class Recording:
 
     @property
     def resolution(self) -> float:
-        """The relative resolution of printed attitude and ω, by the number with the most digits."""
+        """The relative resolution with which attitude and ω are printed.
+
+        It is 10^(1 − d), where d is the number of digits of the number with the most, but at least
+        the machine epsilon, which it is if all numbers are whole.
+        """
         eps = float(np.finfo(np.float32 if self.is_single else float).eps)
         columns = [self.arrays[name].ravel() for name in ("q", "omega") if name in self.arrays]
         numbers = np.concatenate(columns)

@@ -209,7 +209,7 @@ def runs(flags: Flags) -> list[tuple[int, int]]:
 
 
 def _still(numbers: Numbers) -> Shown | None:
-    """Return the finding that rows repeat those before them, or that a body is put to sleep.
+    """Return the finding that recorded rows repeat those before, or that a body is put to sleep.
 
     A body is asleep if an engine holds it in place because it moves slowly.
 
@@ -246,7 +246,7 @@ def _still(numbers: Numbers) -> Shown | None:
 
 
 def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
-    """Return the finding that samples `a` to `b` are the same.
+    """Return the finding that the samples with indices `a` to `b` of a recording are the same.
 
     It says whether the states of the samples after `b` are late, as if the motion had paused.
     """
@@ -336,7 +336,7 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
 
 def _rounded_attitude(numbers: Numbers) -> Shown | None:
-    """Return the finding that quaternions are rounded coarsely; None if they are not.
+    """Return the finding that recorded quaternions are rounded coarsely; None if they are not.
 
     They are if all components, or the three smaller ones, are multiples of a coarse unit.
     """

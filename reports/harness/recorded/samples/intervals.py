@@ -208,6 +208,7 @@ def derivatives_of_flow(
 
     Parameters
     ----------
+    equations : the equations of motion
     states : q, scalar first, and ω, rad/s, body axes, at the starts, (S, 7)
     spans : lengths of the spans, s, (S,)
     rate : the unit of ω, rad/s
@@ -289,6 +290,7 @@ def _bounds(
 
     Parameters
     ----------
+    equations : the equations of motion that the method solves
     states : q and ω at the start of each span, (S, 7)
     spans : lengths of the spans, s, (S,)
     rates : the fastest rate of each state, rad/s, (S,)

@@ -245,7 +245,7 @@ class _Beginning:
         return self._attitude_errors[key]
 
     def error_of_attitude(self, reading: Reading) -> float:
-        """Return the largest error of the attitude, relative to the turn of the exact motion.
+        """Return the largest error of a reading's attitude, relative to the exact motion's turn.
 
         That turn counts as 1 rad if it is larger. The error is infinite if the times are so long
         that the exact motion is not computed.
@@ -255,7 +255,7 @@ class _Beginning:
         return self.turned(reading.q, reading.t)
 
     def error(self, reading: Reading, enough: float = np.inf) -> float:
-        """Return the largest relative error of attitude, ω and spins.
+        """Return the largest relative error of attitude, ω and spins of a reading.
 
         It is infinite if the times are so long that the exact motion is not computed, or if the
         error is nan.

@@ -55,7 +55,7 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
 
 
 def across_signs(numbers: Numbers) -> Shown | None:
-    """Return the finding that attitudes are interpolated between quaternions of opposite signs.
+    """Return the finding that recorded attitudes are interpolated between q of opposite signs.
 
     As q and −q are one attitude, an interpolated quaternion is then far from the attitudes of both
     its neighbours. It is found as a quaternion on the straight line between them.
