@@ -131,7 +131,7 @@ def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: 
 
 
 def turns_made(motion: Trajectory) -> FloatArray:
-    """Return the number of turns, of 2π rad, between successive samples of a motion, (n − 1,)."""
+    """Return the number of turns, of 2π rad, from each of n samples to the next, (n − 1,)."""
     rates = np.linalg.norm(motion.omega_body, axis=1)
     turns: FloatArray = (rates[1:] + rates[:-1]) / (4 * np.pi) * np.diff(motion.t)
     return turns

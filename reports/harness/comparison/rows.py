@@ -240,7 +240,7 @@ def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -
     Parameters
     ----------
     name : name of the signal
-    run, exact : values of the signal in the run and in the exact motion, (n, 3) each
+    run, exact : n values of the signal in the run and in the exact motion, (n, 3) each
     times : times of the values, s, (n,)
     """
     if not exact.any():
@@ -267,10 +267,10 @@ def _words(name: str, ratio: float, since: float) -> str:
 
 
 def _norms(vectors: FloatArray) -> FloatArray:
-    """Return the norms, (n,), of vectors, (n, 3)."""
+    """Return the norms, (n,), of n vectors, (n, 3)."""
     return np.asarray(np.linalg.norm(vectors, axis=1))
 
 
 def _rms(vectors: FloatArray) -> float:
-    """Return the root mean square of the norms of vectors, (n, 3)."""
+    """Return the root mean square of the norms of n vectors, (n, 3)."""
     return float(np.sqrt((vectors**2).sum(axis=1).mean()))

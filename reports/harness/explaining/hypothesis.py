@@ -114,7 +114,7 @@ class Change:
 
         Parameters
         ----------
-        parameters : fitted parameters, (k,)
+        parameters : the k fitted parameters of the change, (k,)
         """
         return Explanation(self.kind, tuple(map(float, self.shown(parameters))))
 

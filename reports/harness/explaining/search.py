@@ -63,7 +63,7 @@ class Search:
         return self.data.chi2_decrease(residuals, 0 * residuals) > self._critical(1)
 
     def exceed_noise(self, residuals: FloatArray) -> bool:
-        """Return whether residuals, (m,), are larger than noise and a method's error explain."""
+        """Return whether m residuals, (m,), are larger than noise and a method's error explain."""
         degrees, level = residuals.size / self.data.correlated, SIGNIFICANCE / len(self.changes)
         chi2 = self.data.chi2_decrease(residuals, 0 * residuals)
         return chi2 > float(chdtri(degrees, level))

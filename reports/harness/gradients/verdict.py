@@ -182,7 +182,7 @@ def _tail(series: list[GainSeries]) -> float:
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:
-    """Return the limits of gains, 1/s, with the rows and columns of Jacobians, (K, 6, 6).
+    """Return the limits of gains from K states, 1/s, as entries of Jacobians, (K, 6, 6).
 
     Parameters
     ----------

@@ -74,7 +74,7 @@ def exact_along(
     Parameters
     ----------
     timestep : s
-    counts : numbers of steps, ascending, (n,)
+    counts : the n numbers of steps, ascending, (n,)
 
     Raises
     ------
@@ -104,7 +104,7 @@ def own_over(
     ----------
     start : the state in which all runs begin
     timestep : s
-    counts : the numbers of steps, (n,)
+    counts : the n numbers of steps, (n,)
     conditioning : for each, the largest factor by which the motion multiplies a change of its
         start, (n,)
     """

@@ -45,8 +45,9 @@ class Gains(Data):
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """Return the limits of gains less those that H hypotheses predict, (H, K, 4, 3).
 
-        They are in units of `scale`. A hypothesis predicts as limit the difference between the
-        rates of attitude, I ω, velocity and position by its equations and by the scene's.
+        They are those from K states, in units of `scale`. A hypothesis predicts as limit the
+        difference between the rates of attitude, I ω, velocity and position by its equations and by
+        the scene's.
         """
         made = np.stack([self.made(hypotheses[k]) for k in range(len(hypotheses))])
         off = (self.excess - made + self.exact) / self.scale[..., None]
@@ -109,7 +110,7 @@ class Gains(Data):
     def _rates(self, hypothesis: Hypothesis, omega: FloatArray) -> FloatArray:
         """Return the angular velocity, rad/s, at which each state turns, and its ω', rad/s².
 
-        Both are along body axes; the shape is (R K, 6).
+        Both are along body axes; the shape is (R K, 6), for K states, each repeated R times.
 
         Parameters
         ----------

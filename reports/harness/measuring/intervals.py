@@ -63,7 +63,7 @@ class Intervals:
 
     @cached_property
     def steps(self) -> NDArray[np.int64]:
-        """Number of steps of each interval, (n,)."""
+        """Number of steps of each of the n intervals, (n,)."""
         return np.diff(self.run.rung.sample_steps[self.edges])
 
     @cached_property

@@ -144,7 +144,7 @@ class Steps:
     def by_timestep(self, rows: FloatArray) -> FloatArray:
         """Return the array `rows`, (J R K, …), with a row for each step, as (J, R, K, …).
 
-        The new axes are those of timesteps, repeats and states.
+        The new axes are those of J timesteps, R repeats and K states.
         """
         return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])
 
@@ -217,11 +217,12 @@ def _earlier(scenario: Scenario, states: State, span: float) -> State:
 def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     """Return the gains of steps: differences from the exact motion, per second.
 
-    The shape is (J, R, K, Q, 3), for Q quantities. They are attitude, rad/s, and I ω, N m, in body
-    axes; velocity, m/s², and position of the com, m/s, in world axes; and, if there are rotors,
-    their constant angular momenta about their axles, N m, or three projections of these if there
-    are more than three rotors. For a body on a pivot, velocity and position are not gains: they are
-    the differences of velocity, m/s, and com, m, from the values that ω and attitude demand.
+    The shape is (J, R, K, Q, 3), for J timesteps, R repeats of K states, and Q quantities:
+    attitude, rad/s, and I ω, N m, in body axes; velocity, m/s², and position of the com, m/s, in
+    world axes; and, if there are rotors, their constant angular momenta about their axles, N m, or
+    three projections of these if there are more than three rotors. For a body on a pivot, velocity
+    and position are not gains: they are the differences of velocity, m/s, and com, m, from the
+    values that ω and attitude demand.
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
@@ -243,7 +244,7 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _directions(count: int) -> FloatArray:
-    """Return the matrix that projects angular momenta of rotors, (n, count), to three, (count, 3).
+    """Return a matrix, (count, 3), that projects momenta of rotors, (n, count), to three, (n, 3).
 
     For more than three rotors its columns are orthonormal. For three or fewer, each rotor has a
     column of its own, and the columns that remain are zero.

@@ -213,7 +213,7 @@ def _check_timestep(timestep: float | None, times: FloatArray) -> None:
     Parameters
     ----------
     timestep : s; if None, there is nothing to check
-    times : times of the samples, s, (n,)
+    times : times of the n samples, s, (n,)
 
     Raises
     ------

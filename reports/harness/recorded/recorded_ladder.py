@@ -122,7 +122,7 @@ def _steps(
     Parameters
     ----------
     study : the convergence study of the files, which has the exact motion at the same times
-    timesteps : timesteps of the files, s, from the longest to the shortest, (J,)
+    timesteps : timesteps of J files, s, from the longest to the shortest, (J,)
     motions : motions of the files, in the order of `timesteps`, all at the same times
     resolution : relative resolution of the numbers in the files
 

@@ -268,7 +268,7 @@ def unit_of(numbers: FloatArray) -> float:
 
 
 def slack_of(q: FloatArray) -> float:
-    """Return how far the norms of quaternions, (n, 4), may be from 1 if components are rounded."""
+    """Return how far norms of n quaternions, (n, 4), may be from 1 if components are rounded."""
     unit, is_rounded = unit_of(q), len(np.unique(q)) >= FEWEST_VALUES
     return max(UNIT_SLACK, unit) if is_rounded and unit <= COARSEST else UNIT_SLACK
 

@@ -200,7 +200,9 @@ class _Differentials:
     rate: float
 
     def of(self, tree: Tree, *, is_world: bool = False) -> FloatArray:
-        """Return a tree's elementary differential of q and ω, (n, 7); the unit of time is 1/`rate`.
+        """Return a tree's elementary differential of q and ω at n states, (n, 7).
+
+        The unit of time is 1/`rate`.
 
         Parameters
         ----------
@@ -218,7 +220,7 @@ class _Differentials:
         return np.hstack([change[:, :4], of_omega])
 
     def _of(self, tree: Tree, states: FloatArray, *, is_world: bool) -> FloatArray:
-        """Return a tree's elementary differential in the variables of the given states, (n, 7).
+        """Return a tree's elementary differential in the variables of n given states, (n, 7).
 
         With m subtrees at the root it is the m-th derivative of the right-hand side that the root
         stands for, in the directions of the subtrees' differentials. Derivatives are taken by

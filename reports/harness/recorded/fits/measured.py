@@ -137,6 +137,6 @@ class Measured(LogFit):
 
 
 def _plus_minus(values: FloatArray, errors: FloatArray) -> str:
-    """Return values with their standard errors, both (k,), as text."""
+    """Return k values with their standard errors, both (k,), as text."""
     each = [f"{n:.5g} ± {e:.2g}" for n, e in zip(values, errors, strict=True)]
     return each[0] if len(each) == 1 else f"[{', '.join(each)}]"

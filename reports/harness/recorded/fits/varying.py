@@ -129,7 +129,7 @@ def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
 
     Parameters
     ----------
-    t : times of the intervals' ends, s, (S,)
+    t : times of the ends of S intervals, s, (S,)
     change : a change with one parameter
     numbers : the parameter in each interval, (S,)
     """

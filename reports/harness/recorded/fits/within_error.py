@@ -58,7 +58,7 @@ class BesideMethods(Data):
         return self.intervals.correlated
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals of H hypotheses, (H, S, 6).
+        """Return the residuals of H hypotheses in S intervals, (H, S, 6).
 
         They are in units of their standard deviation: that of all other errors, `intervals.scale`,
         to which the standard deviation of methods' errors is added along `directions`.

@@ -162,7 +162,7 @@ def _differences(first: FloatArray, lag: int) -> list[FloatArray]:
 
     Parameters
     ----------
-    first : first differences of attitude, rad, and ω, rad/s, (n, 6)
+    first : the n first differences of attitude, rad, and ω, rad/s, (n, 6)
     lag : the lag of each further difference, d[k + lag] − d[k], in samples
     """
     squares, differences = [], first

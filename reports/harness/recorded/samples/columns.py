@@ -26,7 +26,7 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
     Parameters
     ----------
     numbers : the columns of the recording, with those of the exact motion
-    omega : ω as in the file, rad/s, (n, 3)
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     """
     bound, least = float(np.abs(omega).max()), CHANGES * numbers.resolution_omega
     if not np.ptp(omega, axis=0).any():
@@ -64,7 +64,7 @@ def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
     Parameters
     ----------
     numbers : the columns of the recording, with those of the exact motion
-    omega : ω as in the file, rad/s, (n, 3)
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     """
     every = [(EACH, slice(None)), *((f"w{name}", slice(k, k + 1)) for k, name in enumerate("xyz"))]
     return next(filter(None, (_saturated(numbers, omega, *which) for which in every)), None)
@@ -76,7 +76,7 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
     Parameters
     ----------
     numbers : the columns of the recording, with those of the exact motion
-    omega : ω as in the file, rad/s, (n, 3)
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     which, columns : the columns, in words and as a slice
     """
     some = omega[:, columns]
@@ -105,7 +105,7 @@ def _when(t: FloatArray, a: int, b: int) -> str:
 
     Parameters
     ----------
-    t : times of all samples, s, (n,)
+    t : times of all n samples, s, (n,)
     a, b : indices of the first and of the last of the samples
     """
     count, is_to_end = b + 1 - a, b == len(t) - 1

@@ -61,7 +61,7 @@ class Numbers:
 
     @cached_property
     def spans(self) -> FloatArray:
-        """The times between consecutive samples, s, (n - 1,)."""
+        """The time from each of n samples to the next, s, (n - 1,)."""
         return np.diff(self.t)
 
     @cached_property
@@ -76,7 +76,7 @@ class Numbers:
 
     @cached_property
     def should_turn(self) -> Flags:
-        """Whether the exact motion turns from each sample to the next, (n - 1,).
+        """Whether the exact motion turns from each of n samples to the next, (n - 1,).
 
         Turns count if they change quaternions by far more than a unit of the last recorded digit.
         """
@@ -85,7 +85,7 @@ class Numbers:
 
     @cached_property
     def turns(self) -> Flags:
-        """Whether the body turns from each sample to the next, (n - 1,).
+        """Whether the body turns from each of n samples to the next, (n - 1,).
 
         It does if the exact motion turns, and if the ω of the earlier sample is large enough: the
         recorded ω, or the exact one if none was recorded.
@@ -96,14 +96,18 @@ class Numbers:
 
     @cached_property
     def same_q(self) -> Flags:
-        """Whether the attitude repeats that of the sample before, to the last digit, (n - 1,)."""
+        """Whether attitude repeats that of the sample before, to the last digit, (n - 1,).
+
+        There is an entry for each of the n samples but the first.
+        """
         return np.asarray((self.q[1:] == self.q[:-1]).all(axis=1))
 
     @cached_property
     def same_omega(self) -> Flags:
         """Whether ω repeats that of the sample before, to the last digit, (n - 1,).
 
-        All entries are true if ω was not recorded.
+        There is an entry for each of the n samples but the first. All are true if ω was not
+        recorded.
         """
         if self.omega is None:
             return np.ones(len(self.spans), dtype=bool)
@@ -181,8 +185,8 @@ def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
 
     Parameters
     ----------
-    t : times of all samples, s, (n,)
-    samples : indices of the samples that are counted, increasing, (k,)
+    t : times of all n samples, s, (n,)
+    samples : indices of the k samples that are counted, increasing, (k,)
     """
     first, last = t[samples[[0, -1]]]
     if len(samples) == 1:
@@ -198,7 +202,7 @@ def runs(flags: Flags) -> list[tuple[int, int]]:
 
     Parameters
     ----------
-    flags : flags of all samples but the first, (n - 1,)
+    flags : flags of all n samples but the first, (n - 1,)
 
     Returns
     -------
@@ -318,7 +322,7 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
     Parameters
     ----------
     numbers : the columns of the recording, with those of the exact motion
-    omega : ω as in the file, rad/s, (n, 3)
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
 
     Returns
     -------
@@ -358,7 +362,7 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
 
 
 def _unit_of_three(q: FloatArray) -> float:
-    """Return the unit to which the three smaller components of quaternions, (n, 4), are rounded.
+    """Return the unit to which the three smaller components of n quaternions, (n, 4), are rounded.
 
     It is 0 if there is no such unit. Compressed quaternions store only these three, in few bits
     each, as the largest follows from them. The differences of the components are multiples of the
@@ -379,7 +383,7 @@ def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
     Parameters
     ----------
     numbers : the columns of the recording, with those of the exact motion
-    omega : ω as in the file, rad/s, (n, 3)
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     """
     found = {}
     for name, factor in RATES.items():

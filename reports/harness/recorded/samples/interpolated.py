@@ -56,7 +56,7 @@ def _zero_order_hold(numbers: Numbers, omega: FloatArray) -> Shown | None:
     Parameters
     ----------
     numbers : the columns of the recording, with those of the exact motion
-    omega : ω as in the file, rad/s, (n, 3)
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     """
     changes = norms(np.diff(omega, axis=0))
     least = CHANGES * numbers.resolution_omega
@@ -92,7 +92,7 @@ def _lines(
 
     Parameters
     ----------
-    t : times of the samples, s, (n,)
+    t : times of the n samples, s, (n,)
     omega, exact : recorded and exact ω, rad/s, (n, 3)
     least : the largest bend by rounding, rad/s
 

@@ -62,7 +62,7 @@ class Intervals(Data):
     def scale(self) -> FloatArray:
         """Standard deviations, by noise and a method's error together, of the residuals, (S, 6).
 
-        The residuals are three of attitude, rad, and three of ω, rad/s.
+        The residuals of each of S intervals are three of attitude, rad, and three of ω, rad/s.
         """
         return np.repeat(np.hypot(self.noise, self.method), 3, axis=1)
 
@@ -74,7 +74,7 @@ class Intervals(Data):
 
     @cached_property
     def of_method(self) -> FloatArray:
-        """The fraction of each interval's error variance that is due to a method's error, (S,)."""
+        """The fraction of error variance due to a method's error, in each of S intervals, (S,)."""
         return np.asarray(np.mean(self.method**2 / (self.noise**2 + self.method**2), axis=1))
 
     @cached_property
@@ -87,7 +87,7 @@ class Intervals(Data):
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals with H hypotheses, in units of `scale`, (H, S, 6).
+        """Return the residuals of S intervals with H hypotheses, in units of `scale`, (H, S, 6).
 
         They are the deviations of the recorded ends, in attitude and ω, from the states to which a
         hypothesis leads from the recorded starts. They are nan where it leads to no finite state.
@@ -101,7 +101,7 @@ class Intervals(Data):
             return apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale
 
     def apart(self, equations: OtherEquations) -> FloatArray:
-        """Return the deviations of the ends from the exact flow that begins at the starts, (S, 6).
+        """Return the deviations of the S ends from the exact flow from the starts, (S, 6).
 
         They are a rotation vector, rad, and a difference of ω, rad/s, along body axes.
 
@@ -152,7 +152,7 @@ def root_mean_squares(differences: FloatArray) -> FloatArray:
 
 
 def deviations_from_flow(scenario: Scenario, motion: Trajectory) -> FloatArray:
-    """Return the deviation of each sample from the exact flow that begins at the sample before.
+    """Return the deviation of each of n samples from the exact flow from the sample before it.
 
     The flow is that of the scene's equations.
 
@@ -174,7 +174,7 @@ def error_at_first_sample(
 
     Parameters
     ----------
-    t : times of the samples since the scene's start, s, (n,)
+    t : times of the n samples since the scene's start, s, (n,)
     timestep : timestep of the method, s; if None, the median time between samples is used
     order : order of accuracy of the method
     """
@@ -224,7 +224,7 @@ def derivatives_of_flow(
 
 
 def states_of(motion: Trajectory) -> FloatArray:
-    """Return q, scalar first, and ω, rad/s, body axes, of each sample, (n, 7)."""
+    """Return q, scalar first, and ω, rad/s, body axes, of a motion's n samples, (n, 7)."""
     return np.hstack([motion.q_world_body_wxyz, motion.omega_body])
 
 

@@ -95,7 +95,7 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
     Parameters
     ----------
     numbers : the columns of the recording, with those of the exact motion
-    omega : the recorded ω, rad/s, along the axes of the file, (n, 3)
+    omega : the recorded ω of n samples, rad/s, along the axes of the file, (n, 3)
     """
     t, turns = numbers.t, norms(numbers.rates) * numbers.spans
     if len(t) < FEWEST or turns.max() > NEAR:
@@ -178,7 +178,7 @@ def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    reading : the samples of the recording as they were read
+    reading : the n samples of the recording as they were read
     omega : their ω, rad/s, body axes, (n, 3)
     """
     t, q = reading.t, reading.q

@@ -123,8 +123,8 @@ def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
 def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
     """Yield a sentence for each number of samples by which ω may be old or new, and the correction.
 
-    `omega` is the ω of the reading, rad/s, (n, 3). In the corrected reading each attitude has the ω
-    of its own time. Samples at an end that have none are left out.
+    `omega` is the ω of n samples, rad/s, (n, 3). In the corrected reading each attitude has the
+    ω of its own time. Samples at an end that have none are left out.
     """
     for samples in SAMPLES:
         earlier, later = slice(None, -samples), slice(samples, None)

@@ -117,7 +117,7 @@ def of_sensor(
     Parameters
     ----------
     change : the error, as a change of how states are read
-    parameters : the fitted parameters of the change, SI units, (k,)
+    parameters : the k fitted parameters of the change, SI units, (k,)
     in_words : returns numbers as text. It is called with the numbers to show and with f, the factor
         from SI units to their unit
     """
