@@ -50,8 +50,8 @@ class Defects:
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
         """Return median, 95th percentile and largest of each signal's defects, by its name.
 
-        The time of the largest is added, and the floor, up to which rounding may cause defects. It
-        grows as the root of the number of steps in an interval, like a random walk.
+        The time of the largest is added, and the floor, up to which rounding may cause defects. The
+        floor grows as the root of the number of steps in an interval, like a random walk.
 
         Parameters
         ----------

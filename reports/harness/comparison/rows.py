@@ -128,7 +128,7 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
     """Return a run whose reason also states the fault that the method's single steps show.
 
     The run's cause becomes `law` unless it has another. A failed call is returned unchanged, and so
-    is a run if single steps show no fault.
+    is a run if single steps show no fault, or if `steps`, the evidence from them, is None.
     """
     if isinstance(run, CallFailed) or not (steps and steps.fault):
         return run
@@ -221,7 +221,14 @@ def no_better_than_rest(
 def _signals(
     scenario: Scenario, motion: Trajectory, exact: Trajectory, series: ErrorSeries
 ) -> Iterator[str]:
-    """Yield, in words, each signal in which a run is no better than no motion."""
+    """Yield, in words, each signal in which a run is no better than no motion.
+
+    Parameters
+    ----------
+    motion : the run
+    exact : the exact motion at the run's own sample times
+    series : the run's errors
+    """
     yield from _of_path("ω", motion.omega_body, exact.omega_body, exact.t)
     L_errors = series["angular_momentum"]
     # Errors relative to an exact value of zero are infinite.

@@ -266,7 +266,7 @@ class Trial:
         # which takes less time.
         @lru_cache(1)
         def both(parameters: bytes) -> tuple[FloatArray, FloatArray]:
-            """Return the residuals and prior residuals, (m + p,), and their Jacobian, (m + p, k).
+            """Return m residuals and p prior residuals, (m + p,), and their Jacobian, (m + p, k).
 
             Parameters
             ----------

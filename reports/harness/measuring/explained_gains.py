@@ -55,7 +55,7 @@ class Gains(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """The error allowed to the limits of four quantities in each of K states, (K, 4).
+        """The error allowed to the limits of attitude, I ω, velocity and position, (K, 4).
 
         It is `noise`, plus the fraction `RANK` of the largest limit of the same quantity in any
         state.
@@ -65,7 +65,10 @@ class Gains(Data):
 
     @cached_property
     def exact(self) -> FloatArray:
-        """Rates of attitude, I ω, velocity and position in K states of the scene, (K, 4, 3)."""
+        """The rates of attitude, I ω, velocity and position in K states, (K, 4, 3).
+
+        They are those by the scene's equations.
+        """
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:

@@ -111,6 +111,8 @@ def run_ensemble(
 ) -> None:
     """Compute the missing results of an ensemble; store those of a point as soon as it is done.
 
+    A point is a member of the ensemble at the timestep of its runs.
+
     Parameters
     ----------
     plan : the results that are missing

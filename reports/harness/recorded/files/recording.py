@@ -213,7 +213,7 @@ class Recording:
 
     @property
     def drift_off_the_sphere(self) -> str:
-        """A sentence on how the quaternions' norm drifts away from 1; empty if it does not."""
+        """A sentence on how quaternions drift off the unit sphere, norm 1; empty if they do not."""
         t, norms = self.arrays["t"], np.linalg.norm(self.arrays["q"], axis=1)
         if (np.abs(norms - 1) <= slack_of(self.arrays["q"])).all():
             return ""

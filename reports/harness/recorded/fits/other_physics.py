@@ -365,7 +365,7 @@ class Physics:
 
     @cached_property
     def unlike_any_change(self) -> list[str]:
-        """Sentences on what no change with constant parameters would make of the motion.
+        """Sentences on what explains a motion that no change with constant parameters explains.
 
         They say that a parameter varies in time, or else that energy is lost. The list is empty if
         neither explains the motion.

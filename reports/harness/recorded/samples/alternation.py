@@ -102,8 +102,8 @@ class Alternation:
 def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Alternation | None:
     """Return the part of a motion's errors that alternates from sample to sample.
 
-    Only the longest part of the motion is used in which samples are near enough. None is returned
-    if it has too few of them.
+    Only the longest part of the motion is used in which the body turns by less than `NEAR` from
+    sample to sample. None is returned if it has too few samples.
 
     Parameters
     ----------

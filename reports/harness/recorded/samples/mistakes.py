@@ -231,7 +231,7 @@ class _Beginning:
         return self._at[times]
 
     def turned(self, q: FloatArray, t: FloatArray) -> float:
-        """Return the largest error of n attitudes q, (n, 4), at times t, s, (n,), per turn.
+        """Return the largest error of attitudes q, (n, 4), at n times t, s, (n,), per angle turned.
 
         It is divided by the angle by which the exact motion turns in these times, at most 1 rad.
         The error itself would be small at times that are too short for either motion to turn.
