@@ -147,6 +147,7 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
     Parameters
     ----------
+    recording : the recorded motion, whose settings may state a timestep, and how to read it
     order : order of accuracy that the motion's method has or claims
 
     Raises
