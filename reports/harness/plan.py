@@ -58,7 +58,7 @@ class Plan:
 
 
 def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
-    """Return the results of a study that are missing from the result file.
+    """Return the results of a study of some scenes that are missing from the result file.
 
     Outdated results count as missing. Costs that were measured on another processor are deleted
     from the file. If `Choice.again` is set, the stored results that the choice asks for are deleted

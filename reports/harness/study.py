@@ -46,6 +46,7 @@ def run_study(
     Parameters
     ----------
     left : the missing results
+    choice : what the user asked for: engines, methods, timesteps and limits
     progress : called with a sentence on each verdict and each timing
     """
     store.put_environment(environment(choice.engines, choice.max_steps))
@@ -84,6 +85,7 @@ def study_method(
     Parameters
     ----------
     reference : the scene's exact motion, which all methods share; it is solved if it is not yet
+    choice : what the user asked for: timesteps and limits
     """
     key = Key(scenario.name, engine.name, method.name)
     solved = reference.get(executor, store)
@@ -283,6 +285,12 @@ def _verdict_of_unsolved(
     """Return a `failed` verdict, which says that the exact motion could not be found.
 
     The verdict is stored, and so is a row with the same reason.
+
+    Parameters
+    ----------
+    key : names of scene, engine and method
+    failure : why the call that should find the exact motion failed
+    choice : what the user asked for; the verdict states its timesteps
     """
     reason = f"the exact motion could not be found: {failure.reason}"
     store.put(Row(key, engine.version, UNSOLVED, "failed", reason, cause_of_unsolved(failure)))

@@ -48,10 +48,10 @@ class Defects:
     rounding: Errors
 
     def summary(self, steps: int, ulp: float) -> dict[str, Defect]:
-        """Return the statistics of the defects, by the name of the signal.
+        """Return median, 95th percentile and largest of each signal's defects, by its name.
 
-        The floor of a signal's defects, up to which rounding may cause them, grows as the root of
-        the number of steps in an interval, like a random walk.
+        The time of the largest is added, and the floor, up to which rounding may cause defects. The
+        floor grows as the root of the number of steps in an interval, like a random walk.
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ def with_defects(row: Row, scenario: Scenario, exact: Trajectory, *, is_single: 
 
 
 def turns_made(motion: Trajectory) -> FloatArray:
-    """Return the number of turns, of 2π rad, between successive samples of a motion, (n − 1,)."""
+    """Return the number of turns, of 2π rad, from each of n samples to the next, (n − 1,)."""
     rates = np.linalg.norm(motion.omega_body, axis=1)
     turns: FloatArray = (rates[1:] + rates[:-1]) / (4 * np.pi) * np.diff(motion.t)
     return turns

@@ -112,6 +112,8 @@ def compared(
 
     Parameters
     ----------
+    key : names of scene, engine and method
+    rung : the timestep and samples of the run
     answer : the run, or why its call failed, and what the engine printed
     solution : the exact motion at the samples of the rung
     steps : the evidence from single steps; None if there is none, or if their faults are expected,
@@ -126,7 +128,7 @@ def _of_other_law(run: Run | CallFailed, steps: StepEvidence | None) -> Run | Ca
     """Return a run whose reason also states the fault that the method's single steps show.
 
     The run's cause becomes `law` unless it has another. A failed call is returned unchanged, and so
-    is a run if single steps show no fault.
+    is a run if single steps show no fault, or if `steps`, the evidence from them, is None.
     """
     if isinstance(run, CallFailed) or not (steps and steps.fault):
         return run
@@ -168,7 +170,7 @@ def unmet_expectations(
 
 
 def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: float) -> str:
-    """Return in words the first time at which a signal's error exceeds a bound.
+    """Return in words the first time at which the error of the signal `name` exceeds a bound.
 
     It is empty if `series`, the errors at the times of `exact`, is None or never exceeds the bound.
     """
@@ -177,7 +179,10 @@ def _since(exact: Trajectory, series: ErrorSeries | None, name: str, bound: floa
 
 
 def _in_unit(name: str, size: float) -> str:
-    """Return a signal's error as text: `0.705° (0.0123 rad)` if an angle, else as `1e-06`."""
+    """Return the error `size` of a signal `name` as text.
+
+    It is like `0.705° (0.0123 rad)` if the error is an angle, else like `1e-06`.
+    """
     if SIGNAL[name].unit == "rad":
         return f"{size * SIGNAL[name].shown:.3g}° ({size:.3g} rad)"
     return f"{size:.3g}"
@@ -216,7 +221,14 @@ def no_better_than_rest(
 def _signals(
     scenario: Scenario, motion: Trajectory, exact: Trajectory, series: ErrorSeries
 ) -> Iterator[str]:
-    """Yield, in words, each signal in which a run is no better than no motion."""
+    """Yield, in words, each signal in which a run is no better than no motion.
+
+    Parameters
+    ----------
+    motion : the run
+    exact : the exact motion at the run's own sample times
+    series : the run's errors
+    """
     yield from _of_path("ω", motion.omega_body, exact.omega_body, exact.t)
     L_errors = series["angular_momentum"]
     # Errors relative to an exact value of zero are infinite.
@@ -235,7 +247,7 @@ def _of_path(name: str, run: FloatArray, exact: FloatArray, times: FloatArray) -
     Parameters
     ----------
     name : name of the signal
-    run, exact : values of the signal in the run and in the exact motion, (n, 3) each
+    run, exact : n values of the signal in the run and in the exact motion, (n, 3) each
     times : times of the values, s, (n,)
     """
     if not exact.any():
@@ -253,6 +265,7 @@ def _words(name: str, ratio: float, since: float) -> str:
 
     Parameters
     ----------
+    name : name of the signal
     ratio : the signal's error, relative to the size of the exact signal
     since : the first time at which the error is as large as the signal in the run or in the exact
         motion, whichever is smaller, s
@@ -261,10 +274,10 @@ def _words(name: str, ratio: float, since: float) -> str:
 
 
 def _norms(vectors: FloatArray) -> FloatArray:
-    """Return the norms, (n,), of vectors, (n, 3)."""
+    """Return the norms, (n,), of n vectors, (n, 3)."""
     return np.asarray(np.linalg.norm(vectors, axis=1))
 
 
 def _rms(vectors: FloatArray) -> float:
-    """Return the root mean square of the norms of vectors, (n, 3)."""
+    """Return the root mean square of the norms of n vectors, (n, 3)."""
     return float(np.sqrt((vectors**2).sum(axis=1).mean()))

@@ -31,6 +31,7 @@ def time_scene(
 
     Parameters
     ----------
+    choice : the engines and methods that are run
     progress : called with a sentence on how the timing ended
     """
     try:
@@ -46,7 +47,8 @@ def _time_scene(
 ) -> Sequence[str]:
     """Time a scene and store its costs; return a sentence on each method that could not be timed.
 
-    It raises `TimingRefused`, and stores nothing, if the machine prevented the timing.
+    The methods are those of `choice` for the scene. It raises `TimingRefused`, and stores nothing,
+    if the machine prevented the timing.
     """
     scenario = scene.scenario
     verdicts = {verdict.key: verdict for verdict in settled_verdicts(scenario, choice, store)}

@@ -67,7 +67,9 @@ def changes(scenario: Scenario) -> Iterator[Change]:
 
 
 def _body(tensor: FloatArray) -> dict[str, Any]:
-    """Return the entries of `OtherEquations` that a tensor of inertia determines, by name.
+    """Return what a tensor of inertia sets in `OtherEquations`, by the names of the attributes.
+
+    These are `inertia` and `gyroscopic`, the tensor itself, and `inverse`, its inverse.
 
     Parameters
     ----------
@@ -176,9 +178,9 @@ def _of_fitted_tensors(scenario: Scenario, e: OtherEquations) -> Iterator[Change
 
 
 def has_tensor(h: Hypothesis, _: FloatArray) -> bool:
-    """Return whether a rigid body can have the tensor of inertia of one hypothesis.
+    """Return whether a rigid body can have the tensor of inertia of one hypothesis `h`.
 
-    The parameters of the change, which `Change.is_possible` is called with, are not used.
+    `_`, the parameters of the change, is not used: every `Change.is_possible` is called with them.
     """
     return is_of_a_body(h.inertia)
 
@@ -266,9 +268,10 @@ def _with_trace(
 
     Parameters
     ----------
+    kind : name of the kind of change
     nominal : the tensor without the change, kg m², (3, 3)
     apply : returns H hypotheses in which the tensor is replaced by given ones, (H, 3, 3)
-    kind, is_possible : attributes of the returned `Change`
+    is_possible : returns whether a mistake can have led to a hypothesis with given parameters
     """
     entries = tensor_entries(nominal)
 

@@ -89,13 +89,13 @@ class Data(ABC):
 
         Parameters
         ----------
-        before : the residuals without a change, (m,)
+        before : the m residuals without a change, (m,)
         after : the residuals with each change, (M, m)
         """
         return np.asarray(np.sum(before**2) - np.sum(after**2, axis=1)) / self.correlated
 
     def residuals(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals of H hypotheses, those of `deviations`, in one row each, (H, m).
+        """Return the m residuals of each of H hypotheses, those of `deviations`, in rows, (H, m).
 
         They are limited to ± `NOT_FINITE`, which also takes the place of nan.
         """
@@ -134,7 +134,7 @@ class Fit:
 
     @property
     def errors(self) -> FloatArray:
-        """Standard errors of the parameters, (k,)."""
+        """Standard errors of all k parameters, not scaled, (k,)."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
@@ -161,7 +161,7 @@ class Fit:
         return slice(at, at + len(change.scales))
 
     def parameters_of(self, change: Change) -> FloatArray:
-        """Return the fitted parameters of one change, (k,); zeros if it is not in `changes`."""
+        """Return the k fitted parameters of one change, (k,); zeros if it is not in `changes`."""
         is_made = change in self.changes
         return self.parameters[self.columns(change)] if is_made else np.zeros(len(change.scales))
 
@@ -201,7 +201,7 @@ class Trial:
 
     @cached_property
     def scales(self) -> FloatArray:
-        """The typical sizes of the parameters of all changes, `Change.scales`, (k,)."""
+        """The typical sizes of the k parameters of all changes, `Change.scales`, (k,)."""
         return np.concatenate([np.empty(0), *(change.scales for change in self.changes)])
 
     def hypotheses(self, x: FloatArray) -> Hypothesis:
@@ -209,7 +209,7 @@ class Trial:
 
         Parameters
         ----------
-        x : scaled parameters of all changes in H hypotheses, (H, k)
+        x : k scaled parameters of all changes in H hypotheses, (H, k)
         """
         hypotheses, parameters, at = self.data.base.repeated(len(x)), self.scales * x, 0
         for change in self.changes:
@@ -228,7 +228,7 @@ class Trial:
         return self.hypotheses(self._start(before)[None])[0]
 
     def _start(self, before: Fit) -> FloatArray:
-        """Return the scaled parameters of a fit of some of the changes, (k,); 0 for the others."""
+        """Return k scaled parameters, (k,): those of a fit of some changes, 0 for the others."""
         each = [before.parameters_of(one) / one.scales for one in self.changes]
         return np.concatenate([np.empty(0), *each])
 
@@ -253,7 +253,7 @@ class Trial:
         return self._fit_from(x)
 
     def _least_squares(self, x: FloatArray, tolerance: float, evaluations: int) -> Any:
-        """Return what `scipy.optimize.least_squares` returns, started from scaled parameters x.
+        """Return what `scipy.optimize.least_squares` returns, started from k scaled parameters x.
 
         Parameters
         ----------
@@ -266,7 +266,7 @@ class Trial:
         # which takes less time.
         @lru_cache(1)
         def both(parameters: bytes) -> tuple[FloatArray, FloatArray]:
-            """Return the residuals and prior residuals, (m + p,), and their Jacobian, (m + p, k).
+            """Return m residuals and p prior residuals, (m + p,), and their Jacobian, (m + p, k).
 
             Parameters
             ----------
@@ -288,7 +288,7 @@ class Trial:
         return least_squares(residuals, x, jacobian, xtol=tolerance, max_nfev=evaluations)
 
     def _fit_from(self, x: FloatArray, evaluations: int = EVALUATIONS) -> Fit:
-        """Fit the parameters to all data, starting from scaled parameters x, (k,).
+        """Fit the parameters to all data, starting from k scaled parameters x, (k,).
 
         Parameters
         ----------
@@ -321,10 +321,11 @@ class Trial:
 
 
 def linear(data: Data, base: Hypothesis, changes: Sequence[Change]) -> list[Linear]:
-    """Return the changes, each linearised around parameters of zero.
+    """Return each change with its residuals, linearised around parameters of zero.
 
     Parameters
     ----------
+    data : the data whose deviations from the changed hypotheses are the residuals
     base : the hypothesis in which each change is made alone
     """
     if not changes:
@@ -345,7 +346,7 @@ def of_pairs(
     Parameters
     ----------
     each : the linearised changes
-    unchanged : the residuals without any change, (m,)
+    unchanged : the m residuals without any change, (m,)
 
     Yields
     ------

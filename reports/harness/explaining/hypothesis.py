@@ -114,7 +114,7 @@ class Change:
 
         Parameters
         ----------
-        parameters : fitted parameters, (k,)
+        parameters : the k fitted parameters of the change, (k,)
         """
         return Explanation(self.kind, tuple(map(float, self.shown(parameters))))
 
@@ -144,10 +144,11 @@ def fitted(
 
     Parameters
     ----------
+    kind : name of the kind of change
     nominal : the numbers without the change, (k,)
     scale : typical size of the deviations, in the unit of the numbers
     apply : returns H hypotheses in which the numbers are replaced by given ones, (H, k)
-    kind, is_possible : attributes of the returned `Change`
+    is_possible : returns whether a mistake can have led to a hypothesis with given parameters
     """
     scales = np.broadcast_to(scale, nominal.shape).astype(float)
 

@@ -110,7 +110,7 @@ def without_rotation(tensor: FloatArray) -> Iterator[FloatArray]:
 
 
 def about_conjugated_axes(tensor: FloatArray) -> Iterator[FloatArray]:
-    """Yield the tensors, (3, 3), that result if the rotation to the principal axes is inverted.
+    """Yield what a tensor becomes if the rotation to its principal axes is inverted, (3, 3) each.
 
     There is one for each order and each choice of signs of the principal axes.
     """

@@ -43,7 +43,7 @@ def _with_q(state: State, q_wxyz: FloatArray) -> State:
 
 
 def _with_omega(state: State, as_read: Callable[[FloatArray, FloatArray], FloatArray]) -> State:
-    """Return states with another ω, rad/s, body axes, (n, 3).
+    """Return n states with another ω, rad/s, body axes, (n, 3).
 
     Parameters
     ----------

@@ -63,7 +63,7 @@ class Search:
         return self.data.chi2_decrease(residuals, 0 * residuals) > self._critical(1)
 
     def exceed_noise(self, residuals: FloatArray) -> bool:
-        """Return whether residuals, (m,), are larger than noise and a method's error explain."""
+        """Return whether m residuals, (m,), are larger than noise and a method's error explain."""
         degrees, level = residuals.size / self.data.correlated, SIGNIFICANCE / len(self.changes)
         chi2 = self.data.chi2_decrease(residuals, 0 * residuals)
         return chi2 > float(chdtri(degrees, level))
@@ -121,7 +121,7 @@ class Search:
         return [Trial(self.data, both).fit() for both in changes]
 
     def _simplest(self, fits: Sequence[Fit]) -> Fit | None:
-        """Return the fit with the fewest parameters that explains the data.
+        """Return, among some fits, the one with the fewest parameters that explains the data.
 
         A fit with more parameters is returned instead if it lowers χ² significantly, and one with
         as many parameters if it leaves far smaller residuals. Fits that are not physical, or have

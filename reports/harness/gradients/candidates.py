@@ -58,12 +58,12 @@ class Exact:
 
     @cached_property
     def in_world_axes(self) -> list[tuple[str, FloatArray]]:
-        """Each mistake of world axes in words, with the Jacobians it gives, (J, K, 6, 6)."""
+        """Mistakes of world axes in words, with Jacobians by span and state, (J, K, 6, 6)."""
         return list(_in_world_axes(self))
 
     @cached_property
     def lacking(self) -> list[tuple[str, FloatArray]]:
-        """Each mistake of a missing term in words, with the Jacobians it gives, (J, K, 6, 6)."""
+        """Mistakes of a missing term in words, with Jacobians by span and state, (J, K, 6, 6)."""
         return list(_lacking(self))
 
     @cached_property
@@ -74,9 +74,10 @@ class Exact:
 
     @cached_property
     def secants(self) -> dict[bool, list[FloatArray]]:
-        """The errors that finite differences make, (K, 6, 6) for each power of 10 in `POWERS`.
+        """The errors that finite differences make in the derivative of dx/dt by x, (K, 6, 6) each.
 
-        The key is True for central differences, and False for forward differences.
+        They are those in K states; x is attitude and ω in the chart, and its changes are the powers
+        of 10 in `POWERS`. The key is True for central differences, and False for forward ones.
         """
         return {
             two_sided: [self.secant(power, two_sided) for power in POWERS]
@@ -91,7 +92,7 @@ class Exact:
     def secant(self, power: float, two_sided: bool) -> FloatArray:
         """Return the error that finite differences make in the derivative of dx/dt by x, (K, 6, 6).
 
-        x is attitude and ω in the chart.
+        It is that in each of the K states; x is attitude and ω in the chart.
 
         Parameters
         ----------
@@ -103,7 +104,8 @@ class Exact:
     def off_by(self, change: Callable[["_Rates"], FloatArray]) -> FloatArray:
         """Return the Jacobians that a mistake in the derivative of dx/dt by x gives, (J, K, 6, 6).
 
-        x is attitude and ω in the chart. The Jacobians are computed to first order in the spans.
+        x is attitude and ω in the chart. The Jacobians are from K states over J spans of time, to
+        first order in the spans.
 
         Parameters
         ----------
@@ -173,10 +175,10 @@ def _detached(P: FloatArray) -> Iterator[tuple[str, FloatArray]]:
 def _in_world_axes(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
     """Yield mistakes in words, each with the exact Jacobians in world axes, (J, K, 6, 6).
 
-    Those rows and columns are turned that belong to attitude, to ω, or to both. For changes δθ of
-    the attitude and δω of ω, in body axes, ω along world axes changes by
-    R (δω − ω × δθ), with R from body to world. An engine that only turns the derivative to world
-    axes has R δω instead.
+    They are from K states over J spans of time. Those rows and columns are turned that belong to
+    attitude, to ω, or to both. For changes δθ of the attitude and δω of ω, in body axes, ω along
+    world axes changes by R (δω − ω × δθ), with R from body to world. An engine that only turns the
+    derivative to world axes has R δω instead.
     """
     states, P = exact.states, exact.jacobians
     ends = _ends(exact)
@@ -235,7 +237,8 @@ def _to_world(
 def _lacking(exact: Exact) -> Iterator[tuple[str, FloatArray]]:
     """Yield mistakes in words, each with the Jacobians that it gives, (J, K, 6, 6).
 
-    In each, the derivative of dx/dt by x lacks a part, with x the attitude and ω in the chart.
+    They are from the K states of `exact` over its J spans of time. In each, the derivative of dx/dt
+    by x lacks a part, with x the attitude and ω in the chart.
     """
     words = {name: f"the {name} is not differentiated" for name in TERMS}
     for name in ("ω", "I ω"):
@@ -255,7 +258,7 @@ def _fitted(exact: Exact, limits: FloatArray, two_sided: bool) -> float:
     Parameters
     ----------
     limits : difference of the engine's Jacobian from the exact one, divided by the span of time, in
-        the limit of vanishing timesteps, (K, 6, 6)
+        the limit of vanishing timesteps, from K states, (K, 6, 6)
     two_sided : True for central differences, False for forward differences
     """
 
@@ -373,7 +376,7 @@ class _Rates:
         return np.asarray(otherwise + by_weight[0] - by_weight[1])
 
     def _rates(self, offsets: FloatArray, frozen: str = "") -> FloatArray:
-        """Return dω/dt at states near this one, rad/s², (n, 3).
+        """Return dω/dt at n states near this one, rad/s², (n, 3).
 
         Parameters
         ----------

@@ -291,8 +291,9 @@ class MethodStudy:
     def _found(self, name: str, target: _Target) -> tuple[FloatArray | str, bool]:
         """Return the Jacobians by a derivative, and whether it differentiates steps, not dω/dt.
 
-        The Jacobians have the shape (J, K, 6, 6). A sentence is returned in their place if those of
-        the engine have a wrong shape, or if computing them changes the session's state.
+        The Jacobians, from K states at J timesteps, have the shape (J, K, 6, 6). A sentence is
+        returned in their place if those of the engine have a wrong shape, or if computing them
+        changes the session's state.
 
         Parameters
         ----------

@@ -53,7 +53,7 @@ class Units:
         return float(self.ulp ** (1 / (ORDER + 1)))
 
     def of(self, jacobians: FloatArray) -> FloatArray:
-        """Return Jacobians, (..., 6, 6), given in rad and rad/s, in these units."""
+        """Return `jacobians`, (..., 6, 6), which are in rad and rad/s, converted to these units."""
         return np.asarray(jacobians / self.each[:, None] * self.each)
 
 
@@ -87,7 +87,7 @@ def own_jacobian(
     counts: Sequence[int],
     share: float = 1.0,
 ) -> FloatArray:
-    """Return Jacobians of an engine's own steps from a state, by central differences, (n, 6, 6).
+    """Return n Jacobians of an engine's own steps from a state, by central differences, (n, 6, 6).
 
     Their rows and columns are in rad and rad/s.
 
@@ -207,7 +207,8 @@ def settled_jacobians(
     Parameters
     ----------
     states : K states
-    timesteps : s, (J,)
+    timesteps : J timesteps, s, (J,)
+    units : units of the changes by which the differences are taken
     settling : two numbers of earlier steps, ascending; the Jacobians with the second are returned,
         and their difference from those with the first bounds their error
     """

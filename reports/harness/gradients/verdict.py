@@ -48,11 +48,14 @@ class Judged:
 
 
 def noise_of(units: Units, timesteps: FloatArray, condition: float, epsilon: float) -> FloatArray:
-    """Return the standard deviation of gains in each column of Jacobians, in `units`, 1/s, (J, 6).
+    """Return the standard deviation of the noise of gains in each column of Jacobians, (J, 6).
+
+    It is in 1/s; components of Jacobians are in `units`.
 
     Parameters
     ----------
-    timesteps : s, (J,)
+    units : units of attitude and ω
+    timesteps : J timesteps, s, (J,)
     condition : factor by which a relative error of moments of inertia grows: `Places.condition`
     epsilon : ε of finite differences, rad and rad/s; 0 for exact derivatives. The truncation error
         of differences grows with ε. It counts as noise up to ε = the cube root of an ulp, which is
@@ -74,7 +77,7 @@ def judged(exact: Exact, found: FloatArray, noise: FloatArray) -> Judged:
     ----------
     exact : the exact Jacobians
     found : the Jacobians to be judged, from K states over J spans of time, (J, K, 6, 6)
-    noise : standard deviation of the gains in each column of Jacobians, 1/s, (J, 6)
+    noise : standard deviation of the gains' noise in each column of Jacobians, 1/s, (J, 6)
     """
     units = exact.units
     if not np.isfinite(found).all():
@@ -112,7 +115,7 @@ def beside_own(one: Judged, exact: Exact, found: FloatArray, own: Own, noise: Fl
     exact : the exact Jacobians
     found : the Jacobians that the engine computes, from K states with J timesteps, (J, K, 6, 6)
     own : the Jacobians that finite differences of the engine's steps give
-    noise : standard deviation of the gains in each column of Jacobians, 1/s, (J, 6)
+    noise : standard deviation of the gains' noise in each column of Jacobians, 1/s, (J, 6)
     """
     units = exact.units
     wanted = units.of(own.jacobians)
@@ -144,7 +147,7 @@ def _series(exact: Exact, off: FloatArray, noise: FloatArray) -> list[GainSeries
     ----------
     exact : the exact Jacobians
     off : differences of Jacobians from the exact ones, over J spans of time, (J, K, 6, 6)
-    noise : standard deviation of each column's gain, 1/s, (J, 6)
+    noise : standard deviation of the gains' noise in each column, 1/s, (J, 6)
     """
     J, K = off.shape[:2]
     columns = np.swapaxes(_gains(exact, off), 2, 3).reshape(J, K * CHART, CHART)
@@ -179,7 +182,7 @@ def _tail(series: list[GainSeries]) -> float:
 
 
 def _joined(series: list[GainSeries]) -> FloatArray:
-    """Return the limits of gains, 1/s, with the rows and columns of Jacobians, (K, 6, 6).
+    """Return the limits of gains from K states, 1/s, as entries of Jacobians, (K, 6, 6).
 
     Parameters
     ----------

@@ -74,7 +74,7 @@ def exact_along(
     Parameters
     ----------
     timestep : s
-    counts : numbers of steps, ascending, (n,)
+    counts : the n numbers of steps, ascending, (n,)
 
     Raises
     ------
@@ -104,7 +104,7 @@ def own_over(
     ----------
     start : the state in which all runs begin
     timestep : s
-    counts : the numbers of steps, (n,)
+    counts : the n numbers of steps, (n,)
     conditioning : for each, the largest factor by which the motion multiplies a change of its
         start, (n,)
     """
@@ -164,11 +164,12 @@ def gradients_along(
 ) -> tuple[Gradient, ...]:
     """Return the gradients of two losses at n times, compared with the exact gradients.
 
-    The losses are half the square of the turn to a target attitude, and the kinetic energy of
-    rotation.
+    The losses are half the square of the turn to a target attitude, which is the exact one turned
+    by `TO_TARGET`, and the kinetic energy of rotation.
 
     Parameters
     ----------
+    units : units of attitude and ω in Jacobians
     exact, truth : the exact motion at these times, and its derivatives
     jacobians : an engine's Jacobians from the start to each time, in `units`, (6, 6) each
     states : the engine's states at these times

@@ -238,7 +238,9 @@ class _Examination:
         return self._as_if_biased(look) if is_single and look.tail < LEVEL else look
 
     def _hinges_may_explain(self, look: Look) -> bool:
-        """Return whether hinges that give way, as soft constraints do, may explain a fault.
+        """Return whether hinges that give way, as soft constraints do, may explain a look's fault.
+
+        A look is steps with their gains.
 
         They may if there are rotors, if the fault is of the kind `limit`, that is, if gains tend to
         a limit other than zero, and if none of the `HALVINGS` timesteps has been left out.
@@ -247,11 +249,11 @@ class _Examination:
         return bool(has_hinges and look.tail < LEVEL and kind_of(look) == "limit")
 
     def _as_if_biased(self, look: Look) -> Look:
-        """Return the same steps with the noise of biased rounding, alike in all repeats and states.
+        """Return the steps of `look` with the noise of a bias in rounding added.
 
-        The mean of repeats then contains the whole bias. In every step, whatever the timestep,
-        rounding was measured to add up to 3 ulp to the angular momentum in the engine Newton, and 2
-        to 3 ulp in Rapier.
+        The bias is alike in all repeats and states, so that the mean of repeats contains all of it.
+        In every step, whatever the timestep, rounding was measured to add up to 3 ulp to the
+        angular momentum in the engine Newton, and 2 to 3 ulp in Rapier.
         """
         biased = ULPS * self.sessions.engine.ulp * roundings(look.equations, look.steps)
         return replace(look, noise=np.hypot(look.noise, biased), is_pooled=False)
@@ -398,7 +400,7 @@ def gives_in(look: Look, settled: Look) -> bool:
 
 
 def _is_clear_fault(look: Look) -> bool:
-    """Return whether the gains of the shortest steps are mainly their limit, well above noise.
+    """Return whether gains of the shortest steps in `look` are mainly a limit, well above noise.
 
     That is a fault beyond doubt, and no further steps are needed.
     """

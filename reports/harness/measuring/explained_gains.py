@@ -32,8 +32,8 @@ class Gains(Data):
     Attributes
     ----------
     states : K states, each repeated R times with small changes, (R K)
-    excess : the limits of the first four quantities of `step_gains`, in their units, means of
-        repeats, (K, 4, 3)
+    excess : the limits for attitude, I ω, velocity and position, means of repeats, (K, 4, 3), in
+        the units of `step_gains`
     noise : the largest error of these limits that noise may cause, (K, 4)
     """
 
@@ -45,8 +45,9 @@ class Gains(Data):
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """Return the limits of gains less those that H hypotheses predict, (H, K, 4, 3).
 
-        They are in units of `scale`. A hypothesis predicts as limit the difference between the
-        rates of the four quantities by its equations and by the scene's.
+        They are those from K states, in units of `scale`. A hypothesis predicts as limit the
+        difference between the rates of attitude, I ω, velocity and position by its equations and by
+        the scene's.
         """
         made = np.stack([self.made(hypotheses[k]) for k in range(len(hypotheses))])
         off = (self.excess - made + self.exact) / self.scale[..., None]
@@ -54,7 +55,7 @@ class Gains(Data):
 
     @cached_property
     def scale(self) -> FloatArray:
-        """The error allowed to each limit, (K, 4).
+        """The error allowed to the limits of attitude, I ω, velocity and position, (K, 4).
 
         It is `noise`, plus the fraction `RANK` of the largest limit of the same quantity in any
         state.
@@ -64,14 +65,17 @@ class Gains(Data):
 
     @cached_property
     def exact(self) -> FloatArray:
-        """The rates of attitude, I ω, velocity and position by the scene's equations, (K, 4, 3)."""
+        """The rates of attitude, I ω, velocity and position in K states, (K, 4, 3).
+
+        They are those by the scene's equations.
+        """
         return self.made(self.base)
 
     def made(self, hypothesis: Hypothesis) -> FloatArray:
         """Return the rates of attitude, I ω, velocity and position by a hypothesis, (K, 4, 3).
 
-        They are in the units of `excess`, and means of repeats. On a pivot, velocity and position
-        are returned themselves, not their rates.
+        They are those in K states, means of repeats, in the units of `excess`. On a pivot, velocity
+        and position are returned themselves, not their rates.
 
         Parameters
         ----------
@@ -109,7 +113,7 @@ class Gains(Data):
     def _rates(self, hypothesis: Hypothesis, omega: FloatArray) -> FloatArray:
         """Return the angular velocity, rad/s, at which each state turns, and its ω', rad/s².
 
-        Both are along body axes; the shape is (R K, 6).
+        Both are along body axes; the shape is (R K, 6), for K states, each repeated R times.
 
         Parameters
         ----------

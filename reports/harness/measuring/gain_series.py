@@ -71,7 +71,7 @@ class GainSeries:
 
     @property
     def least_tails(self) -> FloatArray:
-        """The smallest of the tails of each state's gains and of its limit, (K,)."""
+        """The smallest of the tails of gains and limit, for each of K states, (K,)."""
         return np.asarray(np.minimum(self.tails.min(axis=0), self.limit_tails))
 
     @property
@@ -120,7 +120,7 @@ def fitted(
 
     Parameters
     ----------
-    timesteps : long to short, s, (J,)
+    timesteps : J timesteps, long to short, s, (J,)
     gains : gains of the steps from K states, in any unit, (J, K, 3)
     noise : standard deviation of each component of a gain, (J, K)
     level : the significance level; a tail below it is a fault
@@ -203,8 +203,8 @@ def _two_series(one: GainSeries, splits: "_Splits", changes: NDArray[np.intp]) -
     ----------
     one : the result with one series, whose predictions are kept
     splits : fits of two series, for each index at which the second may begin
-    changes : the index of the first timestep that follows the second series, (K,); 0 where all
-        timesteps follow one series
+    changes : for each of K states, the index of the first timestep that follows the second series,
+        (K,); 0 where all timesteps follow one series
     """
     tails, limit_tails = one.tails.copy(), one.limit_tails.copy()
     limit, limit_error = one.limit.copy(), one.limit_error.copy()

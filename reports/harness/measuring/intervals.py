@@ -63,7 +63,7 @@ class Intervals:
 
     @cached_property
     def steps(self) -> NDArray[np.int64]:
-        """Number of steps of each interval, (n,)."""
+        """Number of steps of each of the n intervals, (n,)."""
         return np.diff(self.run.rung.sample_steps[self.edges])
 
     @cached_property
@@ -127,12 +127,12 @@ class Intervals:
         )
 
     def _record(self, k: int, each: int) -> tuple[list[int], list[Any]]:
-        """Run interval k again with a restart, and record a snapshot after every `each` steps.
+        """Run interval k again with a restart; record the engine's state after every `each` steps.
 
         Returns
         -------
-        For each snapshot, the number of steps since the snapshot before it, 0 at the start and
-        after the restart; and the snapshots
+        For each snapshot of the state, the number of steps since the snapshot before it, 0 at the
+        start and after the restart; and the snapshots
         """
         start, strides, kept = self.starts.rows(k), list[int](), list[Any]()
         for count in self.parts_of([k])[0].tolist():

@@ -60,7 +60,8 @@ class Look:
     def turns(self) -> FloatArray:
         """The rank, from 0, of the angle by which each step turned the body, (J, K).
 
-        Successive angles whose difference is less than their noise have the same rank.
+        The steps are at J timesteps from K states. Successive angles whose difference is less than
+        their noise have the same rank.
         """
         before, after = self.steps.before.q_world_body_wxyz, self.steps.after.q_world_body_wxyz
         angles = self.steps.by_timestep(norms(rotation_vectors(before, after))).mean(axis=1)
@@ -82,7 +83,7 @@ class Look:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """The sizes of the quantities' rates of change, which gains are compared with, (Q,)."""
+        """The sizes of the rates of change of Q quantities, which gains are compared with, (Q,)."""
         return term_sizes(self.equations, self.steps)
 
     @property

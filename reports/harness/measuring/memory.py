@@ -88,6 +88,7 @@ def _order_and_tail(replay: Replay, declared: int) -> tuple[int, float]:
 
     Parameters
     ----------
+    replay : the replays of a run, from whose worst intervals the states are taken
     declared : the declared order
     """
     starts, sessions = replay.intervals.starts.rows(replay.worst), replay.intervals.sessions

@@ -151,7 +151,7 @@ def changed_at_random(
 
 
 def _changed_by(vectors: FloatArray, change: FloatArray) -> FloatArray:
-    """Return vectors v, (n, 3), all with one relative change c, (3,), that is, v + ‖v‖ c."""
+    """Return n vectors v, (n, 3), all with one relative change c, (3,), that is, v + ‖v‖ c."""
     return np.asarray(vectors + norms(vectors)[:, None] * change)
 
 

@@ -59,7 +59,7 @@ class Measured:
 
         Parameters
         ----------
-        timesteps : long to short, s, (J,)
+        timesteps : J timesteps, long to short, s, (J,)
         gains : the gains from K states, per second, (J, K, 3)
         noise : standard deviation of each component of a gain, (J, K)
         turns : the angle by which each step turns the body, or the angle's rank, (J, K); the
@@ -91,7 +91,7 @@ class Measured:
 
         Returns
         -------
-        The index of the first timestep of the second series, for each way and state, (n, K); 0 if
+        The index of the first timestep of the second series, for n ways and K states, (n, K); 0 if
         the way leaves the timesteps of a state in one series
         """
         count, states = self.turns.shape
@@ -171,6 +171,8 @@ class Regression:
     def _decomposition(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """The singular value decomposition U S Vᵀ of the basis in units of the noise.
 
+        There is one for each of R radii of convergence, of gains at J timesteps from K states.
+
         Returns
         -------
         Uᵀ divided by the noise, (R, J, J), S², (R, J), Vᵀ, (R, TERMS, TERMS), and the gains
@@ -188,7 +190,8 @@ class Regression:
     def _inverse_variances(self) -> FloatArray:
         """The inverse variance, by prior and noise together, of gains projected on U, (R, A, J).
 
-        It is relative to the inverse variance by noise alone; U is that of `_decomposition`.
+        It is relative to the inverse variance by noise alone; U is that of `_decomposition`. There
+        is one for each of R radii, A amplitudes and J timesteps.
         """
         _, squares, _, _ = self._decomposition
         return np.asarray(1 / (1 + self.measured.amplitudes[:, None] ** 2 * squares[:, None]))
@@ -197,7 +200,7 @@ class Regression:
     def evidence(self) -> FloatArray:
         """The logarithm of the likelihood of each state's gains, without a constant, (R A, K).
 
-        There is one for each pair of radius and amplitude.
+        There is one for each pair of R radii and A amplitudes, and each of K states.
         """
         _, _, _, projected = self._decomposition
         each = self._inverse_variances @ (projected**2).sum(axis=2)
@@ -211,7 +214,8 @@ class Regression:
     def constants(self) -> tuple[FloatArray, FloatArray]:
         """The constant that, added to the series, fits best for each pair of the grid, (R A, 3, K).
 
-        It is followed by the standard error of its components, (R A,).
+        There is one for each of R radii, A amplitudes and K states. They are followed by the
+        standard errors of their components, (R A,).
         """
         left, _, _, projected = self._decomposition
         ones, (R, J, _, K) = left.sum(axis=2), projected.shape
@@ -223,7 +227,8 @@ class Regression:
     def evidence_with_constant(self) -> FloatArray:
         """The logarithm of the likelihood of gains for a series plus a constant, (R A, K).
 
-        The constant has a flat prior up to the size of the largest gain.
+        There is one for each of R radii, A amplitudes and K states. The constant has a flat prior
+        up to the size of the largest gain.
         """
         constants, error = self.constants
         gained = ((constants / error[:, None, None]) ** 2).sum(axis=1) / 2
@@ -233,7 +238,7 @@ class Regression:
 
     @cached_property
     def _log_prior(self) -> FloatArray:
-        """The logarithm of the prior of each pair of radius and amplitude in the grid, (R A, 1).
+        """The logarithm of the prior of each pair of R radii and A amplitudes, (R A, 1).
 
         The prior is the mean of the uniform distribution and of the posterior averaged over all
         states (empirical Bayes).
@@ -244,7 +249,7 @@ class Regression:
 
     @cached_property
     def each(self) -> FloatArray:
-        """The logarithm of the likelihood of the gains of each state, (K,)."""
+        """The logarithm of the likelihood of the gains of each of the K states, (K,)."""
         evidence = self.evidence_with_constant if self.has_constant else self.evidence
         return _normalised(evidence + self._log_prior)[1]
 
@@ -259,8 +264,8 @@ class Regression:
 
         Returns
         -------
-        The limits, (K, 3), and their standard errors, (K,), in the unit of the gains, and the tails
-        of these tests, (K,)
+        The limits of K states, (K, 3), and their standard errors, (K,), in the unit of the gains,
+        and the tails of these tests, (K,)
         """
         (constants, error), units = self.constants, self.measured.units
         weights = _normalised(self.evidence_with_constant + self._log_prior)[0]
@@ -272,9 +277,10 @@ class Regression:
 
     @cached_property
     def beyond(self) -> NDArray[np.intp]:
-        """How many of the longest timesteps are beyond each state's radius of convergence, (K,).
+        """How many of the longest timesteps are beyond the radius in each of K states, (K,).
 
-        A timestep counts if it is beyond the radius with a probability of 1 − `LEVEL` or more.
+        The radius is that of convergence. A timestep counts if it is beyond with a probability of
+        1 − `LEVEL` or more.
         """
         weights = _normalised(self.evidence + self._log_prior)[0]
         of_radius = weights.reshape(len(self.inverse_radii), -1, weights.shape[1]).sum(axis=1)
@@ -289,8 +295,8 @@ class Regression:
 
         Returns
         -------
-        The probability of an innovation at least as large, (J, K), the predictions, (J, K, 3), and
-        their standard deviations, (J, K)
+        For J timesteps and K states, the probability of an innovation at least as large, (J, K),
+        the predictions, (J, K, 3), and their standard deviations, (J, K)
         """
         J, _, K = self.measured.gains.shape
         tails, means, errors = np.ones((J, K)), np.zeros((J, 3, K)), np.zeros((J, K))
@@ -312,9 +318,9 @@ class Regression:
 
         Returns
         -------
-        The mean of each pair's prediction, (n, 3, K), the variance of a component of it, (n,), and
-        the posterior probability of each pair in each state, given the gains at longer timesteps,
-        (n, K)
+        The mean of each pair's prediction in K states, (n, 3, K), the variance of a component of
+        it, (n,), and the posterior probability of each pair in each state, given the gains at
+        longer timesteps, (n, K)
         """
         known, row, K = self.before(j), self.basis[:, j], self.measured.gains.shape[2]
         weights = _normalised(known.evidence + self._log_prior)[0]
@@ -334,7 +340,7 @@ class Regression:
 
 
 def _inverse_radii(measured: Measured) -> FloatArray:
-    """Return the inverse radii of convergence that are tried, (R,).
+    """Return the R inverse radii of convergence that are tried, (R,).
 
     They are in units of 1 / longest timestep. The radii reach from four times the longest timestep
     down to `Measured.radius`. A radius with fewer than `LEAST` timesteps below it, which are too
@@ -347,7 +353,7 @@ def _inverse_radii(measured: Measured) -> FloatArray:
 
 
 def _tail(squares: FloatArray) -> FloatArray:
-    """Return for each number the probability that χ² of three degrees of freedom is as large.
+    """Return for each of `squares` the probability of a χ² as large, of 3 degrees of freedom.
 
     This closed form (Abramowitz & Stegun, §26.4.4) takes a quarter of the time of scipy's `chdtrc`.
     """

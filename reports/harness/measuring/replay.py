@@ -152,9 +152,10 @@ def _evidence(
 def _noise(intervals: Intervals, condition: float) -> FloatArray:
     """Return the noise of the differences between replays and run at the ends of n intervals.
 
-    It is the standard deviation of each quantity of `state_differences`, (n, 5), from the sources
-    listed in `noise.py`. Most rounding errors add up as a random walk; those of a torque or force
-    that hardly changes add up linearly.
+    It is the standard deviation of each of five quantities, (n, 5): attitude, rad, and ω, the com's
+    velocity, its position and spins, relative to their sizes. `noise.py` lists its sources. Most
+    rounding errors add up as a random walk; those of a torque or force that hardly changes add up
+    linearly.
 
     Parameters
     ----------

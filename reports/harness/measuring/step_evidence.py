@@ -53,15 +53,18 @@ def evidence_of(look: Look, at: Places, order: int, *, explains: bool = True) ->
 
 
 def kind_of(look: Look) -> FaultKind:
-    """Return the kind of the clearest fault: how gains with the smallest tail fail to vanish."""
+    """Return the kind of the fault that is clearest in the steps of `look`.
+
+    It says how the gains with the smallest tail fail to vanish (`_shape`).
+    """
     return _shape(look, *_worst(look))[0]
 
 
 def _order_shown(look: Look, declared: int) -> int:
     """Return the lower of the orders of the series of gains in attitude and in I ω.
 
-    A quantity whose gains are not well above noise is ignored. If both are ignored, the declared
-    order is returned.
+    The gains are those of the steps in `look`. A quantity whose gains are not well above noise is
+    ignored. If both are ignored, the declared order is returned.
     """
     shown = [
         series.order
@@ -72,9 +75,9 @@ def _order_shown(look: Look, declared: int) -> int:
 
 
 def _curves(look: Look) -> list[GainCurve]:
-    """Return the gains of each quantity by timestep, of the state with the smallest tail.
+    """Return, for each quantity, the gains by timestep of the state with the smallest tail.
 
-    Quantities whose gains are all zero are left out.
+    The gains are those of the steps in `look`. Quantities whose gains are all zero are left out.
     """
     curves = []
     for q, (quantity, series) in enumerate(zip(QUANTITIES, look.series, strict=False)):
@@ -92,19 +95,19 @@ def _curves(look: Look) -> list[GainCurve]:
 
 
 def _beyond_from(look: Look) -> float:
-    """Return the shortest timestep, s, beyond some state's radius of convergence; 0 if none is."""
+    """Return the shortest timestep in `look`, s, beyond a radius of convergence; 0 if none is."""
     count = max(int(one.beyond.max()) for one in look.series)
     return float(look.steps.timesteps[count - 1]) if count else 0.0
 
 
 def _changes_below(look: Look) -> float:
-    """Return the change point, s, below which steps follow a second series; 0 if there is none."""
+    """Return the change point, s, below which steps in `look` follow a second series; else 0."""
     changes = np.concatenate([one.changes for one in look.series])
     return float(look.steps.timesteps[changes[changes > 0].min() - 1]) if changes.any() else 0.0
 
 
 def _worst(look: Look) -> tuple[int, int]:
-    """Return the indices of the quantity and the state with the smallest tail.
+    """Return the indices of the quantity and the state with the smallest tail of gains in `look`.
 
     Among equal tails, such as zeros, that of a fault of the kind `leap` comes first, as the gains
     in the other quantities may follow from the leap.
@@ -123,6 +126,7 @@ def _shape(look: Look, q: int, k: int) -> tuple[FaultKind, int]:
 
     Parameters
     ----------
+    look : the steps with their gains
     q, k : the indices of the quantity and of the state that show the fault
     """
     series, timesteps = look.series[q], look.steps.timesteps
@@ -147,6 +151,7 @@ def _fault(look: Look, at: Places, *, explains: bool) -> StepFault:
 
     Parameters
     ----------
+    look : the steps with their gains
     at : the states from which the steps were taken
     explains : whether changes of the equations that explain a limit are looked for
     """
@@ -192,7 +197,7 @@ def random_fault(
 
 
 def _limits(look: Look) -> Gains:
-    """Return the limits of the gains of all states, in all quantities but the rotors' momenta."""
+    """Return the limits of gains in `look`, of all states, but not those of rotors' momenta."""
     of_the_body = look.series[: QUANTITIES.index("parts")]
     limits, errors = (
         np.stack([getattr(one, name) for one in of_the_body], axis=1)

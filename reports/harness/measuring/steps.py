@@ -58,7 +58,7 @@ class Sessions:
     def single_steps(
         self, states: State, timestep: float, settle: int
     ) -> tuple[Sequence[Any], Sequence[Any]]:
-        """Return snapshots before and after a step from each of n states.
+        """Return snapshots of an engine's state before and after a step from each of n states.
 
         Where an engine can, the steps are taken in one batch, which takes less time.
 
@@ -84,7 +84,7 @@ class Sessions:
         return before, batch.snapshots(places)
 
     def _single_step(self, state: State, timestep: float, settle: int) -> tuple[Any, Any]:
-        """Return the snapshots before and after a step from one state.
+        """Return snapshots of the engine's state before and after a step from a given state.
 
         Parameters
         ----------
@@ -142,9 +142,9 @@ class Steps:
     repeats: int = 1
 
     def by_timestep(self, rows: FloatArray) -> FloatArray:
-        """Return an array with a row for each step, (J R K, …), in the shape (J, R, K, …).
+        """Return the array `rows`, (J R K, …), with a row for each step, as (J, R, K, …).
 
-        The new axes are those of timesteps, repeats and states.
+        The new axes are those of J timesteps, R repeats and K states.
         """
         return rows.reshape(len(self.timesteps), self.repeats, -1, *rows.shape[1:])
 
@@ -217,11 +217,12 @@ def _earlier(scenario: Scenario, states: State, span: float) -> State:
 def step_gains(equations: Equations, steps: Steps) -> FloatArray:
     """Return the gains of steps: differences from the exact motion, per second.
 
-    The shape is (J, R, K, Q, 3), for Q quantities. They are attitude, rad/s, and I ω, N m, in body
-    axes; velocity, m/s², and position of the com, m/s, in world axes; and, if there are rotors,
-    their constant angular momenta about their axles, N m, or three projections of these if there
-    are more than three rotors. For a body on a pivot, velocity and position are not gains: they are
-    the differences of velocity, m/s, and com, m, from the values that ω and attitude demand.
+    The shape is (J, R, K, Q, 3), for J timesteps, R repeats of K states, and Q quantities:
+    attitude, rad/s, and I ω, N m, in body axes; velocity, m/s², and position of the com, m/s, in
+    world axes; and, if there are rotors, their constant angular momenta about their axles, N m, or
+    three projections of these if there are more than three rotors. For a body on a pivot, velocity
+    and position are not gains: they are the differences of velocity, m/s, and com, m, from the
+    values that ω and attitude demand.
     """
     spans, after, exact = steps.spans[:, None], steps.after, steps.exact
     attitude = rotation_vectors(exact.q_world_body_wxyz, after.q_world_body_wxyz) / spans
@@ -243,7 +244,7 @@ def step_gains(equations: Equations, steps: Steps) -> FloatArray:
 
 
 def _directions(count: int) -> FloatArray:
-    """Return the matrix that projects angular momenta of rotors, (n, count), to three, (count, 3).
+    """Return a matrix, (count, 3), that projects momenta of rotors, (n, count), to three, (n, 3).
 
     For more than three rotors its columns are orthonormal. For three or fewer, each rotor has a
     column of its own, and the columns that remain are zero.
@@ -254,7 +255,7 @@ def _directions(count: int) -> FloatArray:
 
 
 def off_the_constraint(equations: Equations, states: State) -> tuple[FloatArray, FloatArray]:
-    """Return the differences of velocity, m/s, and com, m, from what the constraint demands.
+    """Return by how much velocity, m/s, and com, m, of n states are off what a constraint demands.
 
     Both are along world axes, (n, 3). The constraint demands values that follow from attitude and
     ω, but only along the axes that it holds; along other axes the differences are 0.

@@ -82,7 +82,7 @@ class Case:
         return self.recorded.derived.reach if self.recorded.derived else 0
 
     def of(self, samples: NDArray[np.intp]) -> "Case | None":
-        """Return the case with only some of the samples, given by their indices, (k,).
+        """Return the case with only k of the samples, given by their indices, (k,).
 
         Returns
         -------

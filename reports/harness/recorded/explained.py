@@ -268,7 +268,7 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
 
 
 def _of_solvers(case: Case) -> FloatArray:
-    """Return the largest scatter of attitude, rad, and ω, rad/s, from constraint solvers, (2,)."""
+    """Return how far constraint solvers may scatter attitude, rad, and ω, rad/s, at most, (2,)."""
     return SOLVERS * np.array([1.0, norms(case.motion.omega_body).max()])
 
 
@@ -351,7 +351,12 @@ def _of_equations(case: Case) -> list[str]:
 
 
 def _of_readings(physics: Physics) -> list[str]:
-    """Return sentences on how attitude or ω was recorded wrongly; an empty list if neither was."""
+    """Return sentences on how attitude or ω of a recorded motion is wrong; empty if neither is.
+
+    Parameters
+    ----------
+    physics : the recorded motion, with the search for what explains it
+    """
     if words := attitude_read(physics.motion, physics.exact):
         return words
     is_tried = physics.is_beyond or is_omega_off(physics.motion, physics.exact)
@@ -386,6 +391,7 @@ def _verdict(physics: Physics, is_beyond: bool, *, is_explained: bool) -> str:
 
     Parameters
     ----------
+    physics : the recorded motion, with the search for what explains it
     is_beyond : whether the errors are known to be larger
     is_explained : whether a mistake or other physics explains the motion
     """

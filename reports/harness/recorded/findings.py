@@ -141,7 +141,7 @@ def _of_jumps(case: Case) -> Finding | None:
 
 
 def parts_of(case: Case, *samples: NDArray[np.intp]) -> tuple[Case, ...]:
-    """Return a case for each of several sets of samples that are given by their indices, (k,).
+    """Return a case for each of several sets of k samples, given by their indices, (k,).
 
     Sets for which `Case.of` returns None, such as those with too few samples, are left out.
     """

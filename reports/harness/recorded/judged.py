@@ -88,7 +88,12 @@ class JudgedMotion:
         return self.is_beyond or bool(self.explained_by)
 
     def as_record(self) -> dict[str, Any]:
-        """Return the results as a dictionary, which `spincheck judge --json` prints for a file."""
+        """Return the results by name, as `spincheck judge --json` prints them for a file.
+
+        The names are those of the attributes, but: each of `errors` has an entry of its own, the
+        verdict is `single_verdict`, and the defects are `defect`. `exceeds_1deg_at` is added;
+        `recorded`, `solution`, `series`, `is_single` and `resolution` are left out.
+        """
         return {
             "timestep": self.timestep,
             **{SIGNAL[signal].key: error for signal, error in self.errors.items()},
@@ -142,6 +147,7 @@ def judged_motion(scenario: Scenario, recording: Recording, order: int = 1) -> J
 
     Parameters
     ----------
+    recording : the recorded motion, whose settings may state a timestep, and how to read it
     order : order of accuracy that the motion's method has or claims
 
     Raises
@@ -208,7 +214,7 @@ def _check_timestep(timestep: float | None, times: FloatArray) -> None:
     Parameters
     ----------
     timestep : s; if None, there is nothing to check
-    times : times of the samples, s, (n,)
+    times : times of the n samples, s, (n,)
 
     Raises
     ------

@@ -65,7 +65,7 @@ class RecordedEngine(Engine):
         return ""
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> Session:  # noqa: ARG002
-        """Raise `EngineError`, as there is nothing to open."""
+        """Raise `EngineError`, as there is nothing to open; no parameter is used."""
         raise EngineError("recorded motions cannot be run")
 
 
@@ -122,7 +122,7 @@ def _steps(
     Parameters
     ----------
     study : the convergence study of the files, which has the exact motion at the same times
-    timesteps : timesteps of the files, s, from the longest to the shortest, (J,)
+    timesteps : timesteps of J files, s, from the longest to the shortest, (J,)
     motions : motions of the files, in the order of `timesteps`, all at the same times
     resolution : relative resolution of the numbers in the files
 
@@ -236,7 +236,7 @@ def _timestep(motion: JudgedMotion) -> float:
 
 
 def _shared(motions: Sequence[Trajectory]) -> FloatArray:
-    """Return the times, s, (S,), at which all motions have samples.
+    """Return the S times, s, (S,), at which all motions have samples.
 
     Raises
     ------
@@ -257,7 +257,7 @@ def _shared(motions: Sequence[Trajectory]) -> FloatArray:
 
 
 def _at(motion: Trajectory, times: FloatArray) -> Trajectory:
-    """Return the samples of a motion at given times, s, (S,), with exactly these times.
+    """Return the samples of a motion at S given times, s, (S,), with exactly these times.
 
     At each of these times the motion must have a sample, but for rounding of the time.
     """

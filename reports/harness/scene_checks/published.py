@@ -96,7 +96,7 @@ def published_that_do_not_hold(scenario: Scenario) -> Iterator[str]:
 
 
 def _omega_world(_: Scenario, motion: Trajectory) -> FloatArray:
-    """Return the components of ω along world axes, rad/s, (n, 3)."""
+    """Return ω at the n samples of a motion along world axes, rad/s, (n, 3); `_` is not used."""
     return motion.to_world(motion.omega_body)
 
 

@@ -57,7 +57,7 @@ class Rung:
 
     @property
     def times(self) -> FloatArray:
-        """The times of the samples, s, (n,)."""
+        """The times of the n samples, s, (n,)."""
         return np.asarray(self.sample_steps * self.timestep, dtype=float)
 
     def until(self, samples: int) -> "Rung":
@@ -167,7 +167,7 @@ def _above(coarsest: float, counts: NDArray[np.int64], fastest_rate: float) -> I
     Parameters
     ----------
     coarsest : the ladder's coarsest timestep, s
-    counts : number of steps of that timestep before each sample, (n,)
+    counts : number of steps of that timestep before each of n samples, (n,)
     fastest_rate : the fastest rate of the motion, rad/s
     """
     per_interval = int(counts[1])
@@ -189,7 +189,7 @@ def single(timestep: float, times: NDArray[np.float64]) -> Rung:
     Parameters
     ----------
     timestep : s
-    times : times at which samples are wanted, s, (n,); the rung is sampled at the nearest whole
+    times : n times at which samples are wanted, s, (n,); the rung is sampled at the nearest whole
         numbers of steps, each only once
 
     Raises

@@ -85,7 +85,7 @@ def stock_rung(times: FloatArray, timestep: float, rate: float) -> Rung | str:
 
     Parameters
     ----------
-    times : times of those samples of the window at which the exact motion is known, s, (n,)
+    times : times of the n samples of the window at which the exact motion is known, s, (n,)
     timestep : s
     rate : fastest rate of the motion, rad/s
     """

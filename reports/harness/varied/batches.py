@@ -172,7 +172,7 @@ def device_by(executor: Executor, engine: Engine, name: str) -> str:
 
 
 def _refused(engine: Engine, name: str) -> str:
-    """Return why an engine cannot step on a device, in words; empty if it can."""
+    """Return why an engine cannot step on the device `name`, in words; empty if it can."""
     try:
         engine.use_device(name)
     except UnsupportedError as error:

@@ -111,6 +111,8 @@ def run_ensemble(
 ) -> None:
     """Compute the missing results of an ensemble; store those of a point as soon as it is done.
 
+    A point is a member of the ensemble at the timestep of its runs.
+
     Parameters
     ----------
     plan : the results that are missing
@@ -147,6 +149,8 @@ def _rows(
 
     Parameters
     ----------
+    left : the member, the timestep, and the methods without a row
+    base : the scene that the ensemble varies
     is_solved : whether it is already known that the exact motion can be found
     """
     rows = executor.call(run_point, base, left.point, left.to_run).value
@@ -164,5 +168,13 @@ def _rows(
 
 
 def _failed(left: PointLeft, base: Scenario, pair: EngineMethod, failure: CallFailed) -> Row:
-    """Return the row of a method on a member of an ensemble, if its call has failed."""
+    """Return the row of a method on a member of an ensemble, if its call has failed.
+
+    Parameters
+    ----------
+    left : the member, with its timestep
+    base : the scene that the ensemble varies
+    pair : the method, with its engine
+    failure : why the call failed
+    """
     return not_run(base, left.point, pair, "failed", failure.cause, failure.reason)

@@ -139,6 +139,8 @@ def _row(
     ----------
     scenario : the member
     point : the member's numbers, by which the row is stored
+    pair : the method, with its engine
+    rung : the timestep and samples of the run
     solved : the exact motion by timestep, s; or in words why it is not known
     """
     if isinstance(solved, str):

@@ -10,7 +10,7 @@ MOST_WINDOWS = 2000
 
 
 def exact_at(scenario: Scenario, times: FloatArray) -> Solution:
-    """Return the exact motion of a scene at given times, s, (n,).
+    """Return the exact motion of a scene at n given times, s, (n,).
 
     Raises
     ------

@@ -50,13 +50,13 @@ class Reading(NamedTuple):
     spins: FloatArray | None
 
     def rows(self, rows: slice | NDArray[np.intp]) -> "Reading":
-        """Return the reading with only the samples of a slice, or with given indices, (k,)."""
+        """Return the reading with only the samples of a slice, or with k given indices, (k,)."""
         omega, spins = (None if one is None else one[rows] for one in (self.omega, self.spins))
         return self._replace(t=self.t[rows], q=self.q[rows], omega=omega, spins=spins)
 
     @property
     def omega_body(self) -> FloatArray | None:
-        """ω along body axes, rad/s, (n, 3); None if it was not recorded."""
+        """ω of the n samples along body axes, rad/s, (n, 3); None if it was not recorded."""
         if self.omega is None or self.frame == "body":
             return self.omega
         return turned_back(matrices(self.q), self.omega)
@@ -166,7 +166,7 @@ def omega_of_attitudes(t: FloatArray, q_world_body_wxyz: FloatArray) -> DerivedO
 
     Parameters
     ----------
-    t : times of the attitudes, s, (n,)
+    t : times of the n attitudes, s, (n,)
     q_world_body_wxyz : attitudes, scalar first, (n, 4)
 
     Raises
@@ -213,7 +213,7 @@ def _derived(t: FloatArray, q_world_body_wxyz: FloatArray, samples: int) -> Floa
 
 
 def _weight(t: FloatArray, first: NDArray[np.intp], points: int, j: int) -> FloatArray:
-    """Return the derivative at each sample of the Lagrange polynomial of one stencil point, 1/s.
+    """Return the derivative at n samples of the Lagrange polynomial of one stencil point, 1/s.
 
     The result, (n,), is the weight of that point in the derivative. It is 0 where the point is the
     sample itself: the caller adds up differences from the sample, and needs no such weight.

@@ -213,7 +213,7 @@ class Recording:
 
     @property
     def drift_off_the_sphere(self) -> str:
-        """A sentence on how the quaternions' norm drifts away from 1; empty if it does not."""
+        """A sentence on how quaternions drift off the unit sphere, norm 1; empty if they do not."""
         t, norms = self.arrays["t"], np.linalg.norm(self.arrays["q"], axis=1)
         if (np.abs(norms - 1) <= slack_of(self.arrays["q"])).all():
             return ""
@@ -225,7 +225,11 @@ class Recording:
 
     @property
     def resolution(self) -> float:
-        """The relative resolution of printed attitude and ω, by the number with the most digits."""
+        """The relative resolution with which attitude and ω are printed.
+
+        It is 10^(1 − d), where d is the number of digits of the number with the most, but at least
+        the machine epsilon, which it is if all numbers are whole.
+        """
         eps = float(np.finfo(np.float32 if self.is_single else float).eps)
         columns = [self.arrays[name].ravel() for name in ("q", "omega") if name in self.arrays]
         numbers = np.concatenate(columns)
@@ -264,7 +268,7 @@ def unit_of(numbers: FloatArray) -> float:
 
 
 def slack_of(q: FloatArray) -> float:
-    """Return how far the norms of quaternions, (n, 4), may be from 1 if components are rounded."""
+    """Return how far norms of n quaternions, (n, 4), may be from 1 if components are rounded."""
     unit, is_rounded = unit_of(q), len(np.unique(q)) >= FEWEST_VALUES
     return max(UNIT_SLACK, unit) if is_rounded and unit <= COARSEST else UNIT_SLACK
 

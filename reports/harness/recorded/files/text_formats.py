@@ -72,7 +72,7 @@ class Table:
         check_count(len(self._rows))
 
     def arrays(self) -> dict[str, FloatArray]:
-        """Return the quantities by name, in SI units: the times, (n,), others (n, components)."""
+        """Return the quantities of n rows, SI units, by name: t, (n,), others (n, components)."""
         used = [column for column in self._columns if column is not None]
         numbers = np.array(self._rows, dtype=float).reshape(-1, len(used))
         arrays = {}

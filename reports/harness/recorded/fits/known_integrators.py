@@ -41,15 +41,15 @@ class KnownIntegrators:
 
     @cached_property
     def each(self) -> tuple[Intervals, ...]:
-        """Some of the intervals, in one copy for each known integrator that may solve them.
+        """Some of the intervals, copied once for each known integrator that may have computed them.
 
-        Its steps have the stated timestep, or the median time between samples if none is stated.
-        The tuple is empty if the lengths of the intervals are not multiples of that timestep.
+        The integrator's steps have the stated timestep, or the median time between samples if none
+        is stated. The tuple is empty if the lengths of the intervals are not multiples of that.
         """
         return self._steps(self.stated or self.span, FEW)
 
     def _steps(self, timestep: float, count: int) -> tuple[Intervals, ...]:
-        """Return some of the intervals, in one copy for each known integrator that may solve them.
+        """Return some intervals, copied once for each known integrator that may have computed them.
 
         Parameters
         ----------

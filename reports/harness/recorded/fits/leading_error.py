@@ -200,7 +200,9 @@ class _Differentials:
     rate: float
 
     def of(self, tree: Tree, *, is_world: bool = False) -> FloatArray:
-        """Return a tree's elementary differential of q and ω, (n, 7); the unit of time is 1/`rate`.
+        """Return a tree's elementary differential of q and ω at n states, (n, 7).
+
+        The unit of time is 1/`rate`.
 
         Parameters
         ----------
@@ -218,7 +220,7 @@ class _Differentials:
         return np.hstack([change[:, :4], of_omega])
 
     def _of(self, tree: Tree, states: FloatArray, *, is_world: bool) -> FloatArray:
-        """Return a tree's elementary differential in the variables of the given states, (n, 7).
+        """Return a tree's elementary differential in the variables of n given states, (n, 7).
 
         With m subtrees at the root it is the m-th derivative of the right-hand side that the root
         stands for, in the directions of the subtrees' differentials. Derivatives are taken by
@@ -244,9 +246,10 @@ class _Differentials:
         return np.where(is_kept, total, 0.0)
 
     def _slopes_in_world(self, colour: int, states: FloatArray) -> FloatArray:
-        """Return q' and ω' of states, both with ω along world axes, (n, 7).
+        """Return q' and ω' of n states by the equations that a colour stands for, (n, 7).
 
-        As ω × ω is zero, ω' along world axes is ω' along body axes, turned.
+        In the states and in the result, ω and ω' are along world axes. As ω × ω is zero, ω' along
+        world axes is ω' along body axes, turned.
         """
         q = states[:, :4]
         R = matrices(q / norms(q)[:, None])
@@ -254,9 +257,9 @@ class _Differentials:
         return np.hstack([slopes[:, :4], turned(R, slopes[:, 4:])])
 
     def _slopes(self, colour: int, states: FloatArray) -> FloatArray:
-        """Return q' and ω' of states by the equations that a colour stands for, (n, 7).
+        """Return q' and ω' of n states by the equations that a colour stands for, (n, 7).
 
-        The quaternions of the states may have any length.
+        ω and ω' are along body axes. The quaternions of the states may have any length.
         """
         equations = self.equations[colour]
         kept = np.repeat(equations.kept[None], len(states), axis=0)

@@ -107,7 +107,7 @@ class Log(Data):
         return 6 if self.has_omega else 3
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the deviations of the samples from what sensors read with H hypotheses.
+        """Return the deviations of the n samples from what sensors read with H hypotheses.
 
         Returns
         -------
@@ -121,7 +121,7 @@ class Log(Data):
         return off[..., : self.measured]
 
     def made(self, hypotheses: Hypothesis, t: FloatArray) -> FloatArray:
-        """Return the states to which H hypotheses lead at given times, (H, n, 7).
+        """Return the states to which H hypotheses lead at n given times, (H, n, 7).
 
         Parameters
         ----------
@@ -175,7 +175,7 @@ class Log(Data):
         return np.asarray(3 * deviations.reshape(-1, 9) / PRIOR_SPREAD)
 
     def squares(self, standardised: FloatArray) -> FloatArray:
-        """Return the χ² of attitude and of ω for each of M sets of residuals, (M, 2).
+        """Return the χ² of attitude and of ω for each of M sets of residuals of n samples, (M, 2).
 
         If ω was not recorded, only that of attitude is returned, (M, 1). To each χ² that of
         deviations of size `FITS` is added, so that rounding is not taken for noise.
@@ -197,8 +197,8 @@ class Log(Data):
 
         Parameters
         ----------
-        before, after : deviations of the samples from the motion without the changes, (m,), and
-            with each of them, (M, m), in standard deviations of noise
+        before, after : the m deviations of the samples from the motion without the changes, (m,),
+            and with each of them, (M, m), in standard deviations of noise
         """
         if self.is_stated:
             return super().chi2_decreases(before, after)

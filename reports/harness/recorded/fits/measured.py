@@ -52,9 +52,11 @@ class Measured(LogFit):
         return f"The tensor Ixx, Iyy, Izz, Ixy, Ixz, Iyz that fits best is {entries} kg m²{free}."
 
     def as_record(self) -> dict[str, object]:
-        """Return noise, χ² and tensor for JSON, in rad, rad/s and kg m².
+        """Return the results by name, for JSON, in rad, rad/s and kg m².
 
-        The tensor is None if the samples do not determine it, or if residuals far exceed noise.
+        They are `noise` of `attitude` and `omega`, `noise_is_stated`, `chi2`, `degrees_of_freedom`,
+        and six entries each of `tensor` and `tensor_standard_error`. These two are None if the
+        samples do not determine the tensor, or if residuals far exceed noise.
         """
         is_given = not self.is_far and self.shows_tensor
         of_tensor = [one.tolist() for one in self.tensor_entries()] if is_given else [None, None]
@@ -135,6 +137,6 @@ class Measured(LogFit):
 
 
 def _plus_minus(values: FloatArray, errors: FloatArray) -> str:
-    """Return values with their standard errors, both (k,), as text."""
+    """Return k values with their standard errors, both (k,), as text."""
     each = [f"{n:.5g} ± {e:.2g}" for n, e in zip(values, errors, strict=True)]
     return each[0] if len(each) == 1 else f"[{', '.join(each)}]"

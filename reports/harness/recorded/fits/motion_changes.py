@@ -98,5 +98,8 @@ def sentences(found: Fit) -> list[str]:
 
 
 def _without_errors(numbers: FloatArray, _: float) -> str:
-    """Return the parameters of a change as text; the second argument is not used."""
+    """Return the parameters of a change, `numbers`, as text.
+
+    `_`, the factor from SI units to the unit of the parameters, is not used.
+    """
     return vector(numbers.tolist()) if len(numbers) > 1 else f"{numbers[0]:.4g}"

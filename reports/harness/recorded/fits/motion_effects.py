@@ -40,8 +40,9 @@ def tilt(e: OtherEquations) -> Iterator[Change]:
 
 
 def of_attitude(scenario: Scenario, e: OtherEquations) -> Iterator[Change]:
-    """Yield changes that add a torque by the attitude, or an angular velocity of body or world.
+    """Yield changes that add a torque which depends on the attitude, or a rate of turning.
 
+    The rate is constant: one with which the body turns besides ω, or with which the world turns.
     Only long motions show the effects of these changes.
 
     Parameters

@@ -286,9 +286,10 @@ class Physics:
 
     @cached_property
     def _square_beside_methods(self) -> float:
-        """The mean square that a fit of methods' errors leaves of the differences in `off`.
+        """The mean square that methods' errors leave of the differences from the exact flow.
 
-        It is relative to the square of `off`, and 0 if the differences are no more than noise.
+        The errors are fitted to the differences whose root mean squares are `off`. The mean square
+        is relative to the square of `off`, and 0 if the differences are no more than noise.
         """
         if self.intervals is None or self.is_of_noise:
             return 0.0
@@ -364,9 +365,10 @@ class Physics:
 
     @cached_property
     def unlike_any_change(self) -> list[str]:
-        """Sentences that a parameter of the equations varies in time, or else that energy is lost.
+        """Sentences on what explains a motion that no change with constant parameters explains.
 
-        The list is empty if neither explains the motion.
+        They say that a parameter varies in time, or else that energy is lost. The list is empty if
+        neither explains the motion.
         """
         changes = self.search.changes if self.search else ()
         of_equations = [one for one in changes if one not in READINGS]
@@ -442,9 +444,10 @@ class Physics:
         return other if other.mean_square < SAME**2 * residual_square else found
 
     def _is_partial(self, found: Fit) -> bool:
-        """Return whether no method's error and no known integrator explains a fit's residuals.
+        """Return whether a fit explains the motion only in part.
 
-        If `intervals` is None, it returns False.
+        That is so if neither a method's error nor a known integrator explains its residuals. If
+        `intervals` is None, it returns False.
         """
         if self.search is None or self.intervals is None:
             return False
@@ -473,7 +476,7 @@ class Physics:
 
     @property
     def is_all(self) -> bool:
-        """Whether the changes in `found` leave no more than noise."""
+        """Whether the changes in `found` explain all of the motion but for noise."""
         return self.found is not None and self.after(self.found).is_of_noise
 
     @property

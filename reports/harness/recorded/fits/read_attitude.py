@@ -50,7 +50,7 @@ def _explanations(
 
     Parameters
     ----------
-    t : times of the samples, s, (n,)
+    t : times of the n samples, s, (n,)
     q, q_exact : the recorded and the exact attitudes, scalar first, (n, 4)
 
     Yields

@@ -45,7 +45,7 @@ class ReadOmega(Data):
 
     Attributes
     ----------
-    t : times of the samples, s, (n,)
+    t : times of the n samples, s, (n,)
     body : q, scalar first, and the body's ω, rad/s, body axes, (n, 7)
     read : the recorded ω, rad/s, (n, 3)
     error : standard deviation of the error of the body's ω, rad/s
@@ -59,7 +59,7 @@ class ReadOmega(Data):
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """Return what sensors read as ω with H hypotheses, less `read`, in units of `error`.
 
-        The shape is (H, n, 3).
+        The shape is (H, n, 3), for n samples.
         """
         computed = as_read(hypotheses, np.repeat(self.body[None], len(hypotheses), axis=0), self.t)
         return np.asarray((computed[..., 4:] - self.read) / self.error)
@@ -126,7 +126,7 @@ def omega_read(physics: Physics, *, is_explained: bool) -> list[str]:
 def _omega_between(
     equations: OtherEquations, states: FloatArray, spans: FloatArray
 ) -> FloatArray | None:
-    """Return the ω with which the equations lead from each attitude to the next one, (n - 1, 3).
+    """Return the ω with which equations lead from each of n attitudes to the next one, (n - 1, 3).
 
     It is in rad/s, body axes, and is found by Newton's method, which starts from the mean rate
     between the two attitudes.
@@ -218,7 +218,7 @@ def _smoothed_or_filtered(
 
     Parameters
     ----------
-    t : times of the samples, s, (n,)
+    t : times of the n samples, s, (n,)
     body, read : the body's ω and the recorded one, rad/s, (n, 3)
     error : standard deviation of the error of the body's ω, rad/s
 
@@ -241,7 +241,7 @@ def _smoothed(
 
     Parameters
     ----------
-    t : times of the samples, s, (n,)
+    t : times of the n samples, s, (n,)
     body, read : the body's ω and the recorded one, rad/s, (n, 3)
     error : standard deviation of the error of the body's ω, rad/s
 
@@ -319,7 +319,7 @@ def _filtered(
 
     Parameters
     ----------
-    t : times of the samples, s, (n,)
+    t : times of the n samples, s, (n,)
     body, read : the body's ω and the recorded one, rad/s, (n, 3)
     error : standard deviation of the error of the body's ω, rad/s
 
@@ -361,7 +361,7 @@ def _filter(body: FloatArray, read: FloatArray, outputs: int, inputs: int) -> Fi
 
     Parameters
     ----------
-    body, read : the body's ω and the recorded one, rad/s, (n, 3)
+    body, read : the body's ω and the recorded one at n samples, rad/s, (n, 3)
     outputs, inputs : the numbers of weights of earlier outputs, and of samples of the body's ω
     """
     first = max(outputs, inputs - 1)

@@ -32,8 +32,9 @@ def uneven_times(log: Log, unchanged: FloatArray) -> list[str]:
 
     Parameters
     ----------
-    log : the samples
-    unchanged : their deviations from the exact motion, in standard deviations of noise, (m,)
+    log : the n samples
+    unchanged : their deviations from the exact motion, in standard deviations of noise: three of
+        attitude and, if it was recorded, three of ω for each sample, (6 n,) or (3 n,)
     """
     (made,) = log.made(log.base[None], log.t)
     step = SMALL * float(np.median(np.diff(log.t)))
@@ -66,8 +67,9 @@ def right_by_itself(log: Log, unchanged: FloatArray) -> list[str]:
 
     Parameters
     ----------
-    log : the samples
-    unchanged : their deviations from the exact motion, in standard deviations of noise, (m,)
+    log : the n samples
+    unchanged : their deviations from the exact motion, in standard deviations of noise: three of
+        attitude and, if it was recorded, three of ω for each sample, (6 n,) or (3 n,)
     """
     if not log.has_omega:
         return []
@@ -94,8 +96,9 @@ def _saturates_at(log: Log, unchanged: FloatArray) -> float:
 
     Parameters
     ----------
-    log : the samples
-    unchanged : their deviations from the exact motion, in standard deviations of noise, (m,)
+    log : the n samples
+    unchanged : their deviations from the exact motion, in standard deviations of noise: three of
+        attitude and, if it was recorded, three of ω for each sample, (6 n,) or (3 n,)
     """
     omega, noise = log.states[:, 4:], log.noise[1]
     residuals = unchanged.reshape(-1, 2, 3)[:, 1]

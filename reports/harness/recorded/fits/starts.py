@@ -29,6 +29,10 @@ def elsewhere(physics: Physics) -> list[str]:
     By an F-test it must also be significantly larger than the deviations of later samples from the
     exact flow that starts in the sample before each of them.
 
+    Parameters
+    ----------
+    physics : the recorded motion, with the search for what explains it
+
     Returns
     -------
     A list of one sentence; empty if the deviation does not count

@@ -186,6 +186,7 @@ def residuals_if_linear(
 
     Parameters
     ----------
+    data : the data to be explained, with m residuals
     before : the earlier fit
     kept : some or all changes of the earlier fit
     others : the M changes, of which one at a time is added to `kept`

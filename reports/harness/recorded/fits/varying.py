@@ -88,6 +88,7 @@ def _fit(
 
     Parameters
     ----------
+    data : all intervals together
     parts : the S intervals of `data`, one by one
     change : a change with one parameter
     unchanged : the residuals without the change, (S, 6)
@@ -128,7 +129,7 @@ def _in_words(t: FloatArray, change: Change, numbers: FloatArray) -> str:
 
     Parameters
     ----------
-    t : times of the intervals' ends, s, (S,)
+    t : times of the ends of S intervals, s, (S,)
     change : a change with one parameter
     numbers : the parameter in each interval, (S,)
     """
@@ -162,5 +163,5 @@ def _change_in_words(change: Change, parameter: float) -> str:
 
 
 def _spread(numbers: FloatArray) -> float:
-    """Return the sum of squares about the mean."""
+    """Return the sum of the squares of the deviations of numbers from their mean."""
     return float(np.sum((numbers - np.mean(numbers)) ** 2))

@@ -58,7 +58,7 @@ class BesideMethods(Data):
         return self.intervals.correlated
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals of H hypotheses, (H, S, 6).
+        """Return the residuals of H hypotheses in S intervals, (H, S, 6).
 
         They are in units of their standard deviation: that of all other errors, `intervals.scale`,
         to which the standard deviation of methods' errors is added along `directions`.
@@ -176,6 +176,7 @@ def _sizes(data: Intervals, errors: FloatArray, changes: Sequence[Change]) -> li
 
     Parameters
     ----------
+    data : the S intervals of the motion
     errors : the errors by each of k elementary differentials with a coefficient of one, rad and
         rad/s, (k, S, 6)
     changes : the changes that are tried
@@ -197,10 +198,12 @@ def _fitted_size(
 
     Parameters
     ----------
+    data : the S intervals of the motion
     errors : the errors by each of k elementary differentials with a coefficient of one, rad and
         rad/s, (k, S, 6)
     deviation : the residuals, in units of `data.scale`, 6 S numbers
-    others : further columns that are fitted together with the errors, rad and rad/s, (m, S, 6)
+    others : m further columns that are fitted together with the errors, rad and rad/s, (m, S, 6);
+        none if None
     """
     every = errors if others is None else np.concatenate([errors, others])
     columns = (every / data.scale).reshape(len(every), -1).T

@@ -102,8 +102,8 @@ class Alternation:
 def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Alternation | None:
     """Return the part of a motion's errors that alternates from sample to sample.
 
-    Only the longest part of the motion is used in which samples are near enough. None is returned
-    if it has too few of them.
+    Only the longest part of the motion is used in which the body turns by less than `NEAR` from
+    sample to sample. None is returned if it has too few samples.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ def _differences(first: FloatArray, lag: int) -> list[FloatArray]:
 
     Parameters
     ----------
-    first : first differences of attitude, rad, and ω, rad/s, (n, 6)
+    first : the n first differences of attitude, rad, and ω, rad/s, (n, 6)
     lag : the lag of each further difference, d[k + lag] − d[k], in samples
     """
     squares, differences = [], first

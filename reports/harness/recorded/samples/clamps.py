@@ -22,22 +22,22 @@ TINY = 1e-300
 
 
 def _in_world(states: FloatArray) -> FloatArray:
-    """Return ω of states q and ω, (S, 7), along world axes, rad/s, (S, 3)."""
+    """Return ω of S states, q and ω in body axes, (S, 7), along world axes, rad/s, (S, 3)."""
     return turned(matrices(states[:, :4]), states[:, 4:])
 
 
 def _with_omega(states: FloatArray, omega_body: FloatArray) -> FloatArray:
-    """Return states, (S, 7), with another ω, rad/s, body axes, (S, 3)."""
+    """Return S states, (S, 7), with their ω replaced by `omega_body`, rad/s, (S, 3)."""
     return np.hstack([states[:, :4], omega_body])
 
 
 def _by_component(states: FloatArray, bound: float) -> FloatArray:
-    """Return states, (S, 7), with each component of ω in body axes clamped to ± a bound, rad/s."""
+    """Return S states, (S, 7), with each body-axis component of ω clamped to ± a bound, rad/s."""
     return _with_omega(states, np.clip(states[:, 4:], -bound, bound))
 
 
 def _by_component_in_world(states: FloatArray, bound: float) -> FloatArray:
-    """Return states, (S, 7), with each component of ω in world axes clamped to ± a bound, rad/s.
+    """Return S states, (S, 7), with each world-axis component of ω clamped to ± a bound, rad/s.
 
     As in all states, the ω that is returned is along body axes.
     """
@@ -46,7 +46,7 @@ def _by_component_in_world(states: FloatArray, bound: float) -> FloatArray:
 
 
 def _by_norm(states: FloatArray, bound: float) -> FloatArray:
-    """Return states, (S, 7), with the norm of ω clamped to a bound, rad/s."""
+    """Return S states, (S, 7), with the norm of ω clamped to a bound, rad/s."""
     speeds = np.maximum(norms(states[:, 4:]), TINY)[:, None]
     return _with_omega(states, states[:, 4:] * np.minimum(1.0, bound / speeds))
 
@@ -118,7 +118,7 @@ def _fits(omega: FloatArray, clamped: FloatArray, unclamped: FloatArray, least: 
 
     Parameters
     ----------
-    omega : recorded ω at the ends of intervals, rad/s, (S, 3)
+    omega : recorded ω at the ends of S intervals, rad/s, (S, 3)
     clamped, unclamped : ω computed with and without the clamp, rad/s, (S, 3)
     least : how far clamped and unclamped ω must differ, rad/s; a difference of more than `CLAMPED`
         times the largest ‖ω‖ is enough in any case

@@ -25,7 +25,8 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    omega : ω as in the file, rad/s, (n, 3)
+    numbers : the columns of the recording, with those of the exact motion
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     """
     bound, least = float(np.abs(omega).max()), CHANGES * numbers.resolution_omega
     if not np.ptp(omega, axis=0).any():
@@ -62,7 +63,8 @@ def saturated(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    omega : ω as in the file, rad/s, (n, 3)
+    numbers : the columns of the recording, with those of the exact motion
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     """
     every = [(EACH, slice(None)), *((f"w{name}", slice(k, k + 1)) for k, name in enumerate("xyz"))]
     return next(filter(None, (_saturated(numbers, omega, *which) for which in every)), None)
@@ -73,7 +75,8 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
 
     Parameters
     ----------
-    omega : ω as in the file, rad/s, (n, 3)
+    numbers : the columns of the recording, with those of the exact motion
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     which, columns : the columns, in words and as a slice
     """
     some = omega[:, columns]
@@ -98,7 +101,13 @@ def _saturated(numbers: Numbers, omega: FloatArray, which: str, columns: slice) 
 
 
 def _when(t: FloatArray, a: int, b: int) -> str:
-    """Return in words the times and the number of the samples with indices from `a` to `b`."""
+    """Return in words the times and the number of the samples with indices from `a` to `b`.
+
+    Parameters
+    ----------
+    t : times of all n samples, s, (n,)
+    a, b : indices of the first and of the last of the samples
+    """
     count, is_to_end = b + 1 - a, b == len(t) - 1
     if is_to_end:
         return f"from t = {t[a]:.6g} s on, for {count} samples" if a else f"in all {count} samples"

@@ -61,7 +61,7 @@ class Numbers:
 
     @cached_property
     def spans(self) -> FloatArray:
-        """The times between consecutive samples, s, (n - 1,)."""
+        """The time from each of n samples to the next, s, (n - 1,)."""
         return np.diff(self.t)
 
     @cached_property
@@ -76,7 +76,7 @@ class Numbers:
 
     @cached_property
     def should_turn(self) -> Flags:
-        """Whether the exact motion turns from each sample to the next, (n - 1,).
+        """Whether the exact motion turns from each of n samples to the next, (n - 1,).
 
         Turns count if they change quaternions by far more than a unit of the last recorded digit.
         """
@@ -85,7 +85,7 @@ class Numbers:
 
     @cached_property
     def turns(self) -> Flags:
-        """Whether the body turns from each sample to the next, (n - 1,).
+        """Whether the body turns from each of n samples to the next, (n - 1,).
 
         It does if the exact motion turns, and if the ω of the earlier sample is large enough: the
         recorded ω, or the exact one if none was recorded.
@@ -96,14 +96,18 @@ class Numbers:
 
     @cached_property
     def same_q(self) -> Flags:
-        """Whether the attitude repeats that of the sample before, to the last digit, (n - 1,)."""
+        """Whether attitude repeats that of the sample before, to the last digit, (n - 1,).
+
+        There is an entry for each of the n samples but the first.
+        """
         return np.asarray((self.q[1:] == self.q[:-1]).all(axis=1))
 
     @cached_property
     def same_omega(self) -> Flags:
         """Whether ω repeats that of the sample before, to the last digit, (n - 1,).
 
-        All entries are true if ω was not recorded.
+        There is an entry for each of the n samples but the first. All are true if ω was not
+        recorded.
         """
         if self.omega is None:
             return np.ones(len(self.spans), dtype=bool)
@@ -169,7 +173,7 @@ def resolution(numbers: FloatArray, units: Iterable[float]) -> float:
 
 
 def shown_by_digits(numbers: Numbers) -> list[Shown]:
-    """Return the findings of repeated numbers, coarse rounding, and ω that is exactly zero."""
+    """Return findings of repeated numbers, coarse rounding, and zero ω in a recording's columns."""
     found = [_still(numbers) or _stale(numbers), _rounded_attitude(numbers)]
     if numbers.omega is not None:
         found += [_zeros(numbers, numbers.omega), _rounded_omega(numbers, numbers.omega)]
@@ -181,8 +185,8 @@ def where(t: FloatArray, samples: NDArray[np.int_]) -> str:
 
     Parameters
     ----------
-    t : times of all samples, s, (n,)
-    samples : indices of the samples that are counted, increasing, (k,)
+    t : times of all n samples, s, (n,)
+    samples : indices of the k samples that are counted, increasing, (k,)
     """
     first, last = t[samples[[0, -1]]]
     if len(samples) == 1:
@@ -198,7 +202,7 @@ def runs(flags: Flags) -> list[tuple[int, int]]:
 
     Parameters
     ----------
-    flags : flags of all samples but the first, (n - 1,)
+    flags : flags of all n samples but the first, (n - 1,)
 
     Returns
     -------
@@ -209,7 +213,7 @@ def runs(flags: Flags) -> list[tuple[int, int]]:
 
 
 def _still(numbers: Numbers) -> Shown | None:
-    """Return the finding that rows repeat those before them, or that a body is put to sleep.
+    """Return the finding that recorded rows repeat those before, or that a body is put to sleep.
 
     A body is asleep if an engine holds it in place because it moves slowly.
 
@@ -246,7 +250,7 @@ def _still(numbers: Numbers) -> Shown | None:
 
 
 def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
-    """Return the finding that samples `a` to `b` are the same.
+    """Return the finding that the samples with indices `a` to `b` of a recording are the same.
 
     It says whether the states of the samples after `b` are late, as if the motion had paused.
     """
@@ -283,7 +287,10 @@ def _one_run(numbers: Numbers, a: int, b: int) -> Shown:
 
 
 def _stale(numbers: Numbers) -> Shown | None:
-    """Return the finding that attitudes repeat those before them, though ω changes; or None."""
+    """Return the finding that recorded attitudes repeat those before them, though ω changes.
+
+    None is returned if none do.
+    """
     if numbers.omega is None:
         return None
     flags = numbers.same_q & ~numbers.same_omega & numbers.turns
@@ -314,7 +321,8 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    omega : ω as in the file, rad/s, (n, 3)
+    numbers : the columns of the recording, with those of the exact motion
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
 
     Returns
     -------
@@ -332,7 +340,7 @@ def _zeros(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
 
 def _rounded_attitude(numbers: Numbers) -> Shown | None:
-    """Return the finding that quaternions are rounded coarsely; None if they are not.
+    """Return the finding that recorded quaternions are rounded coarsely; None if they are not.
 
     They are if all components, or the three smaller ones, are multiples of a coarse unit.
     """
@@ -354,7 +362,7 @@ def _rounded_attitude(numbers: Numbers) -> Shown | None:
 
 
 def _unit_of_three(q: FloatArray) -> float:
-    """Return the unit to which the three smaller components of quaternions, (n, 4), are rounded.
+    """Return the unit to which the three smaller components of n quaternions, (n, 4), are rounded.
 
     It is 0 if there is no such unit. Compressed quaternions store only these three, in few bits
     each, as the largest follows from them. The differences of the components are multiples of the
@@ -374,7 +382,8 @@ def _rounded_omega(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    omega : ω as in the file, rad/s, (n, 3)
+    numbers : the columns of the recording, with those of the exact motion
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     """
     found = {}
     for name, factor in RATES.items():

@@ -23,6 +23,7 @@ def spins_beyond(
 
     Parameters
     ----------
+    motion : the recorded motion
     timestep : timestep with which the motion was computed, s; if None, it is unknown, and the time
         between samples is used
     order : order of accuracy of the method that computed the motion

@@ -11,10 +11,10 @@ FEWEST, FEWEST_ON_A_LINE = 3, 2
 
 
 def interpolated(numbers: Numbers) -> Shown | None:
-    """Return the finding that ω is held or interpolated linearly at some samples; None if not.
+    """Return the finding that recorded ω is held or interpolated linearly at some samples.
 
-    Held values repeat those of the sample before. Interpolated ones are on a straight line between
-    others, to the last digit.
+    None is returned if it is not. Held values repeat those of the sample before. Interpolated ones
+    are on a straight line between others, to the last digit.
     """
     if numbers.omega is None or len(numbers.t) < FEWEST:
         return None
@@ -49,11 +49,14 @@ def interpolated(numbers: Numbers) -> Shown | None:
 
 
 def _zero_order_hold(numbers: Numbers, omega: FloatArray) -> Shown | None:
-    """Return the finding that ω is new at every m-th sample only, and held at the others; or None.
+    """Return the finding that ω is new at every m-th sample only, and held at the others.
+
+    None is returned if it is not, for any m.
 
     Parameters
     ----------
-    omega : ω as in the file, rad/s, (n, 3)
+    numbers : the columns of the recording, with those of the exact motion
+    omega : ω of the n samples as in the file, rad/s, (n, 3)
     """
     changes = norms(np.diff(omega, axis=0))
     least = CHANGES * numbers.resolution_omega
@@ -89,7 +92,7 @@ def _lines(
 
     Parameters
     ----------
-    t : times of the samples, s, (n,)
+    t : times of the n samples, s, (n,)
     omega, exact : recorded and exact ω, rad/s, (n, 3)
     least : the largest bend by rounding, rad/s
 

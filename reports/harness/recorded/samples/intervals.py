@@ -62,7 +62,7 @@ class Intervals(Data):
     def scale(self) -> FloatArray:
         """Standard deviations, by noise and a method's error together, of the residuals, (S, 6).
 
-        The residuals are three of attitude, rad, and three of ω, rad/s.
+        The residuals of each of S intervals are three of attitude, rad, and three of ω, rad/s.
         """
         return np.repeat(np.hypot(self.noise, self.method), 3, axis=1)
 
@@ -74,7 +74,7 @@ class Intervals(Data):
 
     @cached_property
     def of_method(self) -> FloatArray:
-        """The fraction of each interval's error variance that is due to a method's error, (S,)."""
+        """The fraction of error variance due to a method's error, in each of S intervals, (S,)."""
         return np.asarray(np.mean(self.method**2 / (self.noise**2 + self.method**2), axis=1))
 
     @cached_property
@@ -87,7 +87,7 @@ class Intervals(Data):
         return 1 + (self.scale.size - 1) * float(np.mean(self.of_method))
 
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
-        """Return the residuals with H hypotheses, in units of `scale`, (H, S, 6).
+        """Return the residuals of S intervals with H hypotheses, in units of `scale`, (H, S, 6).
 
         They are the deviations of the recorded ends, in attitude and ω, from the states to which a
         hypothesis leads from the recorded starts. They are nan where it leads to no finite state.
@@ -101,7 +101,7 @@ class Intervals(Data):
             return apart(as_read(hypotheses, computed, self.t), self.ends) / self.scale
 
     def apart(self, equations: OtherEquations) -> FloatArray:
-        """Return the deviations of the ends from the exact flow that begins at the starts, (S, 6).
+        """Return the deviations of the S ends from the exact flow from the starts, (S, 6).
 
         They are a rotation vector, rad, and a difference of ω, rad/s, along body axes.
 
@@ -136,7 +136,7 @@ class Intervals(Data):
         return self.rows(np.unique(np.linspace(0, len(self.spans) - 1, most).astype(int)))
 
     def rows(self, kept: Sequence[int] | NDArray[np.int_]) -> "Intervals":
-        """Return some of the intervals, given by their indices, (k,)."""
+        """Return k of the intervals; `kept` are their indices, (k,)."""
         names = "starts", "t", "spans", "ends", "method"
         return replace(self, **{name: getattr(self, name)[kept] for name in names})
 
@@ -146,13 +146,13 @@ def root_mean_squares(differences: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    differences : differences of attitude, rad, and ω, rad/s, (S, 6)
+    differences : differences of attitude, rad, and ω, rad/s, at the ends of S intervals, (S, 6)
     """
     return np.asarray(np.sqrt(np.mean(differences.reshape(-1, 2, 3) ** 2, axis=(0, 2))))
 
 
 def deviations_from_flow(scenario: Scenario, motion: Trajectory) -> FloatArray:
-    """Return the deviation of each sample from the exact flow that begins at the sample before.
+    """Return the deviation of each of n samples from the exact flow from the sample before it.
 
     The flow is that of the scene's equations.
 
@@ -174,7 +174,7 @@ def error_at_first_sample(
 
     Parameters
     ----------
-    t : times of the samples since the scene's start, s, (n,)
+    t : times of the n samples since the scene's start, s, (n,)
     timestep : timestep of the method, s; if None, the median time between samples is used
     order : order of accuracy of the method
     """
@@ -208,6 +208,7 @@ def derivatives_of_flow(
 
     Parameters
     ----------
+    equations : the equations of motion
     states : q, scalar first, and ω, rad/s, body axes, at the starts, (S, 7)
     spans : lengths of the spans, s, (S,)
     rate : the unit of ω, rad/s
@@ -223,7 +224,7 @@ def derivatives_of_flow(
 
 
 def states_of(motion: Trajectory) -> FloatArray:
-    """Return q, scalar first, and ω, rad/s, body axes, of each sample, (n, 7)."""
+    """Return q, scalar first, and ω, rad/s, body axes, of a motion's n samples, (n, 7)."""
     return np.hstack([motion.q_world_body_wxyz, motion.omega_body])
 
 
@@ -280,7 +281,7 @@ def _bounds(
     step_lengths: FloatArray | float,
     order: int,
 ) -> FloatArray:
-    """Return bounds on a method's error over each span, in attitude, rad, and ω, rad/s, (S, 2).
+    """Return bounds on a method's error over S spans, in attitude, rad, and ω, rad/s, (S, 2).
 
     The errors of a method of order p are proportional to the p-th power of the angle of a step. The
     factors are those of explicit Euler: its error in a step h is h²/2 times a second derivative,
@@ -289,6 +290,7 @@ def _bounds(
 
     Parameters
     ----------
+    equations : the equations of motion that the method solves
     states : q and ω at the start of each span, (S, 7)
     spans : lengths of the spans, s, (S,)
     rates : the fastest rate of each state, rad/s, (S,)

@@ -92,6 +92,7 @@ def _places(data: Intervals, deviations: FloatArray, chi2: FloatArray) -> list[i
 
     Parameters
     ----------
+    data : the n intervals
     deviations : those of the ends of the intervals from the exact flow, rad and rad/s, (n, 6)
     chi2 : sum of squares of each interval's deviations, in units of their scale, (n,)
     """
@@ -120,6 +121,8 @@ def _goes_on(data: Intervals, k: int, last: int, chi2: float) -> bool:
 
     Parameters
     ----------
+    data : all intervals of the motion
+    k, last : indices of the intervals
     chi2 : sum of squares of the deviations of interval `k`, in units of their scale
     """
     if not np.array_equal(data.starts[k + 1 : last + 1], data.ends[k:last]):
@@ -135,6 +138,7 @@ def _outliers(data: Intervals, deviations: FloatArray, k: int, last: int) -> Jum
 
     Parameters
     ----------
+    data : all n intervals of the motion
     deviations : those of the ends of all intervals from the exact flow, rad and rad/s, (n, 6)
     k, last : the interval that ends in the first outlier, and the one that begins in the last one
     """
@@ -155,6 +159,7 @@ def _stretch(data: Intervals, deviations: FloatArray, k: int, end: int) -> Jump:
 
     Parameters
     ----------
+    data : all n intervals of the motion
     deviations : those of the ends of all intervals from the exact flow, rad and rad/s, (n, 6)
     k, end : the first and the last of these intervals
     """
@@ -171,7 +176,8 @@ def _stretch(data: Intervals, deviations: FloatArray, k: int, end: int) -> Jump:
 def _outlying_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
     """Return the jump of attitudes that are outliers, if ω was not recorded.
 
-    They are off the exact flow that leads from the start of interval `first` to the end of `last`.
+    They are off the exact flow that leads from the start of interval `first` to the end of interval
+    `last` of all intervals, `data`.
 
     Returns
     -------
@@ -195,7 +201,7 @@ def _outlying_attitudes(data: Intervals, first: int, last: int) -> Jump | None:
 
 
 def _time_jump(data: Intervals, first: int, last: int) -> Jump | None:
-    """Return the jump in time between the start of interval `first` and the end of `last`.
+    """Return the jump in time from the start of interval `first` of `data` to the end of `last`.
 
     The exact flow leads from one to the other, but takes another time than the recorded one.
 
@@ -226,6 +232,7 @@ def _jump(data: Intervals, deviations: FloatArray, k: int) -> Jump:
 
     Parameters
     ----------
+    data : all n intervals of the motion
     deviations : those of the ends of all intervals from the exact flow, rad and rad/s, (n, 6)
     """
     at = data.t[k]
@@ -248,7 +255,8 @@ def _time_between(data: Intervals, first: int, last: int) -> float | None:
 
     Parameters
     ----------
-    first, last : indices of the intervals
+    data : all intervals of the motion
+    first, last : indices of the two intervals
 
     Returns
     -------

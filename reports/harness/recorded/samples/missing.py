@@ -67,6 +67,10 @@ def missing(data: Intervals) -> list[str]:
     A torque is missing if the attitude follows ω, but ω does not obey Euler's equations. An angular
     velocity is missing if ω obeys them, but the attitude does not follow ω.
 
+    Parameters
+    ----------
+    data : intervals of the recorded motion; `data.base` has the equations
+
     Returns
     -------
     A list of one sentence; empty if neither is so
@@ -153,6 +157,7 @@ def _largest(what: str, data: Intervals, missing: FloatArray, unit: str) -> str:
     Parameters
     ----------
     what : what is missing, in words
+    data : S intervals of the motion
     missing : the missing vector in each interval, (S, 3)
     unit : unit of the vectors
     """
@@ -170,6 +175,7 @@ def _along_axes(data: Intervals, missing: FloatArray, unit: str) -> str:
 
     Parameters
     ----------
+    data : S intervals of the motion, whose attitudes turn the body's axes to the world's
     missing : the vectors, one for each interval, in body axes, (S, 3)
     unit : unit of the vectors
     """

@@ -212,7 +212,7 @@ class _Beginning:
         self._attitude_errors: dict[tuple[bytes, bytes], float] = {}
 
     def at(self, t: FloatArray) -> tuple[FloatArray, float, float]:
-        """Return the exact motion at times t, s, (n,), with its largest ‖ω‖ and its turn.
+        """Return the exact motion at n times t, s, (n,), with its largest ‖ω‖ and its turn.
 
         Returns
         -------
@@ -231,7 +231,7 @@ class _Beginning:
         return self._at[times]
 
     def turned(self, q: FloatArray, t: FloatArray) -> float:
-        """Return the largest error of attitudes q, (n, 4), at times t, s, (n,), relative to a turn.
+        """Return the largest error of attitudes q, (n, 4), at n times t, s, (n,), per angle turned.
 
         It is divided by the angle by which the exact motion turns in these times, at most 1 rad.
         The error itself would be small at times that are too short for either motion to turn.
@@ -245,7 +245,7 @@ class _Beginning:
         return self._attitude_errors[key]
 
     def error_of_attitude(self, reading: Reading) -> float:
-        """Return the largest error of the attitude, relative to the turn of the exact motion.
+        """Return the largest error of a reading's attitude, relative to the exact motion's turn.
 
         That turn counts as 1 rad if it is larger. The error is infinite if the times are so long
         that the exact motion is not computed.
@@ -255,7 +255,7 @@ class _Beginning:
         return self.turned(reading.q, reading.t)
 
     def error(self, reading: Reading, enough: float = np.inf) -> float:
-        """Return the largest relative error of attitude, ω and spins.
+        """Return the largest relative error of attitude, ω and spins of a reading.
 
         It is infinite if the times are so long that the exact motion is not computed, or if the
         error is nan.
@@ -413,7 +413,7 @@ def _of_spins(
     Parameters
     ----------
     reading : the samples as they were read
-    spins : spins of the reading, rad/s, (n, rotors)
+    spins : spins of the n samples, rad/s, (n, rotors)
     """
     yield "the spins have the opposite sign", reading._replace(spins=-spins)
     for words, factor in RATES.items():
@@ -442,7 +442,7 @@ def _of_omega(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Readin
     Parameters
     ----------
     reading : the samples as they were read
-    omega : ω of the reading, rad/s, (n, 3)
+    omega : ω of the n samples, rad/s, (n, 3)
     """
     frame: OmegaFrame = "world" if reading.frame == "body" else "body"
     yield f"ω is in {frame} axes (state 'omega = {frame}')", reading._replace(frame=frame)
@@ -469,7 +469,7 @@ def _of_other_samples(reading: Reading, omega: FloatArray) -> Iterator[tuple[str
     Parameters
     ----------
     reading : the samples as they were read
-    omega : ω of the reading, rad/s, (n, 3)
+    omega : ω of the n samples, rad/s, (n, 3)
     """
     earlier, later = slice(None, -1), slice(1, None)
     for age, own, other in (("older", earlier, later), ("newer", later, earlier)):
@@ -482,7 +482,7 @@ def _of_other_samples(reading: Reading, omega: FloatArray) -> Iterator[tuple[str
 
 
 def _of_rates(R_world_body: FloatArray, rates: FloatArray, axes: tuple[int, ...]) -> FloatArray:
-    """Return ω along world axes, rad/s, (n, 3), from the rates of Euler angles a, b, c.
+    """Return ω of n samples along world axes, rad/s, (n, 3), from rates of Euler angles a, b, c.
 
     Parameters
     ----------

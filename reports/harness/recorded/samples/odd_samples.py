@@ -27,6 +27,11 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
 
     The absolute value of qw was then recorded, and the conjugates of these samples are right.
 
+    Parameters
+    ----------
+    reading : the samples of the recording as they were read
+    numbers : their columns as in the file, with those of the exact motion
+
     Returns
     -------
     None if some qw is negative, if conjugation of some samples does not make all of them right, or
@@ -50,7 +55,7 @@ def lost_sign(reading: Reading, numbers: Numbers) -> Shown | None:
 
 
 def across_signs(numbers: Numbers) -> Shown | None:
-    """Return the finding that attitudes are interpolated between quaternions of opposite signs.
+    """Return the finding that recorded attitudes are interpolated between q of opposite signs.
 
     As q and −q are one attitude, an interpolated quaternion is then far from the attitudes of both
     its neighbours. It is found as a quaternion on the straight line between them.
@@ -89,7 +94,8 @@ def wrapped(numbers: Numbers, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    omega : the recorded ω, rad/s, along the axes of the file, (n, 3)
+    numbers : the columns of the recording, with those of the exact motion
+    omega : the recorded ω of n samples, rad/s, along the axes of the file, (n, 3)
     """
     t, turns = numbers.t, norms(numbers.rates) * numbers.spans
     if len(t) < FEWEST or turns.max() > NEAR:
@@ -172,7 +178,8 @@ def jitter(reading: Reading, omega: FloatArray) -> Shown | None:
 
     Parameters
     ----------
-    omega : ω along body axes, rad/s, (n, 3)
+    reading : the n samples of the recording as they were read
+    omega : their ω, rad/s, body axes, (n, 3)
     """
     t, q = reading.t, reading.q
     indices = np.arange(len(t))

@@ -123,8 +123,8 @@ def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
 def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:
     """Yield a sentence for each number of samples by which ω may be old or new, and the correction.
 
-    In the corrected reading each attitude has the ω of its own time. Samples at an end that have
-    none are left out.
+    `omega` is the ω of n samples, rad/s, (n, 3). In the corrected reading each attitude has the
+    ω of its own time. Samples at an end that have none are left out.
     """
     for samples in SAMPLES:
         earlier, later = slice(None, -samples), slice(samples, None)
@@ -190,6 +190,6 @@ def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:
 
 
 def named(R: FloatArray) -> str:
-    """Return the axis that each column of a matrix, (3, 3), is along, as text like [x, -z, y]."""
+    """Return the axis that each column of the matrix `R`, (3, 3), is along, like [x, -z, y]."""
     at = np.abs(R).argmax(axis=0)
     return f"[{', '.join('-' * int(R[k, j] < 0) + 'xyz'[k] for j, k in enumerate(at))}]"

@@ -117,7 +117,7 @@ def of_sensor(
     Parameters
     ----------
     change : the error, as a change of how states are read
-    parameters : the fitted parameters of the change, SI units, (k,)
+    parameters : the k fitted parameters of the change, SI units, (k,)
     in_words : returns numbers as text. It is called with the numbers to show and with f, the factor
         from SI units to their unit
     """
@@ -132,7 +132,7 @@ def of_sensor(
 
 
 def as_read(hypotheses: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
-    """Return the states that the sensors of H hypotheses read, (H, S, 7).
+    """Return what the sensors of H hypotheses read in S states each, (H, S, 7).
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def as_read(hypotheses: Hypothesis, states: FloatArray, t: FloatArray) -> FloatA
 
 
 def as_it_was(hypotheses: Hypothesis, read: FloatArray, t: FloatArray) -> FloatArray:
-    """Return the actual states, (H, S, 7), if the sensors of H hypotheses read given states.
+    """Return the actual states, (H, S, 7), if the sensors of H hypotheses read S given states.
 
     This is the inverse of `as_read`, except that filters are not undone. States are not finite for
     a hypothesis with which ω as it is read does not determine ω.
@@ -181,7 +181,7 @@ def as_it_was(hypotheses: Hypothesis, read: FloatArray, t: FloatArray) -> FloatA
 
 
 def _bias_and_drift(hypotheses: Hypothesis, t: FloatArray) -> FloatArray:
-    """Return what bias and drift of H hypotheses add to ω as it is read at times t, s, (S,).
+    """Return what bias and drift of H hypotheses add to ω as it is read at S times t, s, (S,).
 
     Returns
     -------
@@ -192,14 +192,19 @@ def _bias_and_drift(hypotheses: Hypothesis, t: FloatArray) -> FloatArray:
 
 
 def _turn(states: FloatArray, turns: FloatArray) -> None:
-    """Turn the attitudes of states, (H, S, 7), in the body by rotation vectors, rad, (H, 3)."""
+    """Turn the attitudes of S states of H hypotheses, (H, S, 7), in place.
+
+    Parameters
+    ----------
+    turns : rotation vector for each hypothesis, rad, body axes, (H, 3)
+    """
     for k in np.flatnonzero(turns.any(axis=1)):
         of_turn = Rotation.from_rotvec(turns[k]).as_quat(scalar_first=True)
         states[k, :, :4] = states[k, :, :4] @ times(of_turn)
 
 
 def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:
-    """Return the output of a low-pass filter of ω, rad/s, (S, 3).
+    """Return the output of a low-pass filter of ω in S states, rad/s, (S, 3).
 
     It is a mean of past ω with exponential weights, by Gauß–Laguerre quadrature. It is nan if the
     time constant is negative, or if the body turns by more than `FURTHEST` in that time.
@@ -225,7 +230,8 @@ def _filtered(hypothesis: Hypothesis, states: FloatArray, t: FloatArray) -> Floa
 def _propagated(hypotheses: Hypothesis, states: FloatArray, by: FloatArray) -> FloatArray:
     """Return the states, (H, S, 7), to which the equations of H hypotheses lead after some time.
 
-    They are nan for a hypothesis with which the body turns by more than `FURTHEST` in that time.
+    S states are followed with each hypothesis. They are nan for a hypothesis with which the body
+    turns by more than `FURTHEST` in that time.
 
     Parameters
     ----------

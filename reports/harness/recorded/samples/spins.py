@@ -21,8 +21,9 @@ def other_spins(
 
     Parameters
     ----------
-    exact, motion : the exact and the recorded motion, at the recording's times
+    exact : the exact motion at the recording's times
     recording : the recording, from which spins are taken
+    motion : the recorded motion
     timestep : timestep with which the motion was computed, s; None if unknown
     """
     if (recorded := recording.arrays.get("spins")) is None:

@@ -28,8 +28,9 @@ def mistakes_of_translation(
 
     Parameters
     ----------
-    exact, motion : the exact and the recorded motion, at the recording's times
+    exact : the exact motion at the recording's times
     recording : the recording, which says whether com and velocity were recorded
+    motion : the recorded motion
 
     Returns
     -------
@@ -73,8 +74,9 @@ def other_translation(
 
     Parameters
     ----------
-    exact, motion : the exact and the recorded motion, at the recording's times
+    exact : the exact motion at the recording's times
     recording : the recording, of which com and velocity are checked if they were recorded
+    motion : the recorded motion
     timestep : timestep with which the motion was computed, s; None if unknown
     """
     t, arrays = exact.t, recording.arrays
@@ -165,7 +167,7 @@ def far_off(
     ----------
     is_off : the beginning of the sentence, up to the words "off by"
     unit : unit of the quantity
-    deviation : deviation of the quantity from the exact motion, (n, k)
+    deviation : deviations of the quantity's k components from the exact motion at n samples, (n, k)
     allowed : the largest error that a method and the error of the attitude explain
     rounding : the largest error by rounding
     extent : the largest size of the quantity, or its largest change
@@ -180,7 +182,12 @@ def far_off(
 
 
 def _is_smooth(deviation: FloatArray) -> bool:
-    """Return whether a deviation, (n, k), changes little from sample to sample, unlike noise."""
+    """Return whether the deviations of n samples change little from one to the next, unlike noise.
+
+    Parameters
+    ----------
+    deviation : the deviations, with k components, (n, k)
+    """
     changes = float(np.median(norms(np.diff(deviation, axis=0))))
     return changes < LEFT * _largest(deviation)
 
@@ -205,9 +212,9 @@ def rounding_of(numbers: FloatArray, units: dict[str, float], steps: float) -> f
 def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray, float]]:
     """Yield sentences on possible mistakes of the com, each with the corrected com.
 
-    The corrected com is in m, along world axes, (n, 3). After it comes the size of the unit of the
-    recorded numbers, m, but at most 1. The error that remains is compared in this unit, as
-    conversion from a small unit makes any number small.
+    The corrected com of n samples is in m, along world axes, (n, 3). After it comes the size of the
+    unit of the recorded numbers, m, but at most 1. The error that remains is compared in this unit,
+    as conversion from a small unit makes any number small.
     """
     R = matrices(motion.q_world_body_wxyz)
     yield (
@@ -225,9 +232,9 @@ def _coms(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatAr
 def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, FloatArray, float]]:
     """Yield sentences on possible mistakes of the velocity, each with the corrected velocity.
 
-    The corrected velocity is that of the com, in m/s, along world axes, (n, 3). After it comes the
-    size of the unit of the recorded numbers, m/s, but at most 1. The error that remains is compared
-    in this unit.
+    The corrected velocity is that of the com at n samples, in m/s, along world axes, (n, 3). After
+    it comes the size of the unit of the recorded numbers, m/s, but at most 1. The error that
+    remains is compared in this unit.
     """
     R, v = matrices(motion.q_world_body_wxyz), motion.velocity_world
     swing_world = turned(R, np.cross(motion.omega_body, scenario.constraint.lever))
@@ -250,5 +257,5 @@ def _velocities(scenario: Scenario, motion: Trajectory) -> Iterator[tuple[str, F
 
 
 def _largest(vectors: FloatArray) -> float:
-    """Return the largest norm of vectors, (n, 3)."""
+    """Return the largest norm of n vectors, (n, 3)."""
     return float(norms(vectors).max())
