@@ -9,7 +9,7 @@ from .kernel import as_kernels_take, kernel
 
 
 def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
-    """Return the deviations of recorded states from computed ones, (..., S, 6).
+    """Return the deviations of S recorded states from computed ones, (..., S, 6).
 
     Each is a rotation vector from the computed to the recorded attitude, rad, and the recorded less
     the computed ω, rad/s, both in body axes.

@@ -79,7 +79,8 @@ def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, flo
 def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
     """Return cosine and sine of the phase t · phase[0] + phase[1] + cell · phase[2], in turns.
 
-    Each row of `phase` is a double-double.
+    t is the time, s, and `cell` the number of whole cells that `_cell` returns. `phase` has a
+    double-double in each of its three rows: the phase per second, at t = 0 and per cell.
     """
     p, e = two_prod(t, phase[0, 0])
     r, f = two_prod(cell, phase[2, 0])
