@@ -87,7 +87,7 @@ _OfKey = tuple[SceneRuns, MethodRuns]
 
 
 def _by_key(results: Results) -> dict[Key, _OfKey]:
-    """Return each scene with the runs of one method on it, by scene, engine and method."""
+    """Return pairs of a scene and the runs of one method on it, by scene, engine and method."""
     scenes = report_data(results).scenes
     return {Key(one.name, *runs.pair): (one, runs) for one in scenes for runs in one.methods}
 

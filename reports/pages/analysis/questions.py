@@ -79,7 +79,7 @@ def _filled(gathered: ReportData) -> Tables:
 
 
 def _names(key: Key) -> tuple[str, str, str]:
-    """Return the names of scene, engine and method of a key."""
+    """Return the names of scene, engine and method that a key has, in this order."""
     return key.scenario, key.engine, key.method
 
 

@@ -72,7 +72,7 @@ def work_precision(scene: SceneRuns) -> list[Figure]:
 
 
 def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
-    """Return a figure with further curves, some drawn behind its own curves and some over them."""
+    """Return a figure with further curves: `below` behind its own curves, and `above` over them."""
     return figure | {"data": [*below, *figure["data"], *above]}
 
 
@@ -117,7 +117,10 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tup
 
 
 def _strip(x_title: str, x_range: Range) -> Panel:
-    """Return the panel for runs without errors, which is below the panel of errors."""
+    """Return the panel for runs without errors, which is below the panel of errors.
+
+    `x_title` and `x_range` are title and range of its horizontal axis.
+    """
     heading = "Ended without an error to compare"
     return Panel(x_title, "", heading, True, (0.0, 1.0), x_range, domain=STRIP)
 
