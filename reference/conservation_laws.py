@@ -239,7 +239,10 @@ def _is_symmetric(scene: InvariantScales) -> bool:
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
-    """Whether the body has no pivot, and no force but gravity acts on its com along free axes."""
+    """Whether the body has no pivot, and gravity is the only force on its com.
+
+    Forces along world axes along which the body is held do not count.
+    """
     forces = {effect.name for effect in scene.scenario.acting if effect.is_force}
     return not scene.scenario.constraint.is_pivot and forces <= {"gravity"}
 

@@ -67,13 +67,13 @@ def all_numbers(equations: OtherEquations) -> FloatArray:
 
 @kernel
 def vector(v: FloatArray, at: int) -> Vector:
-    """Return the vector whose three numbers begin at an index of an array."""
+    """Return the vector whose three numbers begin at the index `at` of an array v."""
     return v[at], v[at + 1], v[at + 2]
 
 
 @kernel
 def matrix(M: FloatArray, at: int) -> Matrix:
-    """Return the 3 × 3 matrix whose numbers begin at an index of an array, row by row."""
+    """Return the 3 × 3 matrix whose numbers, row by row, begin at the index `at` of an array M."""
     return (
         *(M[at], M[at + 1], M[at + 2]),
         *(M[at + 3], M[at + 4], M[at + 5]),
@@ -83,7 +83,7 @@ def matrix(M: FloatArray, at: int) -> Matrix:
 
 @kernel
 def put(v: Vector, to: FloatArray, at: int) -> None:
-    """Write a vector to an array, from an index on."""
+    """Write the three numbers of a vector v into the array `to`, from the index `at` on."""
     to[at], to[at + 1], to[at + 2] = v
 
 

@@ -133,7 +133,8 @@ def _finished(runs: MethodRuns) -> list[Row]:
 def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
     """Yield markers for the runs that diverged or failed; each method has its own height.
 
-    `abscissa` is as in `_against`.
+    `abscissa` returns what a run's error is drawn against, such as its timestep; runs for which it
+    returns None are left out.
     """
     for k, runs in enumerate(scene.methods):
         height = 1 - (k + 0.5) / len(scene.methods)
@@ -180,7 +181,8 @@ def _curves(
 ) -> Iterator[Trace]:
     """Yield a line through the errors of a method's runs, and rings at its stock timesteps.
 
-    Runs without errors, or for which `abscissa` (see `_against`) returns None, are left out.
+    `abscissa` returns what a run's error is drawn against, such as its timestep. Runs without
+    errors, or for which it returns None, are left out.
     """
     rows = [row for row in _finished(runs) if abscissa(row) is not None]
     stock = [row for row in rows if row.stock]
@@ -200,7 +202,7 @@ def _curves(
 
 
 def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
-    """Return the abscissas of n runs, each of which must have one, (n,)."""
+    """Return the abscissas of n runs, (n,); `abscissa` must return a number for each of them."""
     return np.array([abscissa(row) for row in rows], dtype=float)
 
 
@@ -231,7 +233,10 @@ def _hover(runs: MethodRuns, row: Row) -> str:
 
 
 def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
-    """Return the range of the abscissa over all runs that are drawn."""
+    """Return the range of abscissas over all runs that are drawn, with a margin on both sides.
+
+    `abscissa` returns that of a run; None if it has none.
+    """
     values = [
         x
         for runs in scene.methods
