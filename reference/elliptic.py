@@ -50,7 +50,10 @@ class Lattice:
 
     @property
     def hyperbolic(self) -> bool:
-        """Whether theta functions are summed with the nome q', as series of sinh and cosh."""
+        """Whether theta functions are summed as series of sinh and cosh, with the nome q'.
+
+        These converge faster than series of sines and cosines if m > 1/2, and are used then.
+        """
         return bool(self.m > self.m1)
 
     @cached_property

@@ -203,8 +203,9 @@ def _unit(axis: int) -> Vector:
 def _of_attitude(e: FloatArray, R: Matrix) -> Vector:
     """Return the torques that depend on the attitude, without that of gravity, N m, body axes.
 
-    They are those of `attitude_torque`, `spring` and `gravity_gradient`. `e` has the numbers of the
-    equations, and R is the attitude, body to world.
+    They are those of dipoles and springs (`attitude_torque`, `spring`) and of the gravity gradient
+    (`gravity_gradient` of `OtherEquations`). `e` has the numbers of the equations, and R is the
+    attitude, body to world.
     """
     torque, P, S = (0.0, 0.0, 0.0), matrix(e, ATTITUDE_TORQUE), matrix(e, GRAVITY_GRADIENT)
     for i in range(3):
@@ -321,7 +322,8 @@ def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -
 
     The engine computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. Its L,
     which only torques change, is therefore Rᵀ I R ω. `e` has the numbers of the equations, R is the
-    attitude, body to world, and `torque` is what `_torque` returns.
+    attitude, body to world, and `torque` is the sum of all torques and of −ω × (G ω + h), N m, body
+    axes.
     """
     inverse = matrix(e, INVERSE)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), vector(e, KEPT), 1.0)

@@ -179,8 +179,9 @@ def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> b
 def _lifts_off(series: FloatArray, constants: FloatArray, total: int, h: float) -> float:
     """Return the time, from the start of a step of h seconds, at which a body leaves its table.
 
-    It is inf if the body does not leave the table in the step. `series`, `constants` and `total`
-    are those of `_rests`.
+    It is inf if the body does not leave the table in the step. `series` has the orders 0 to
+    `total` − 1 of the step, and `constants` are the constants of the equations of motion; of both,
+    the high parts alone are given.
     """
     before = 0.0
     for k in range(LOOKS + 1):

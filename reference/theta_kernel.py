@@ -64,9 +64,10 @@ class ThetaTables(NamedTuple):
 def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, float]:
     """Return the theta functions' argument at a time t, s, in cells: whole cells, and the rest.
 
-    A cell is a half period of sn and cn; `clock` is that of `ThetaTables`. The rest is a
-    double-double, as high and low part, in [-1/2, 1/2]. For an endless motion the number of whole
-    cells is 0, and the rest is all of the argument.
+    A cell is a half period of sn and cn. The first two rows of `clock` are double-doubles: cells
+    per second, and cells at t = 0. The rest is a double-double, as high and low part, in
+    [-1/2, 1/2]. For an endless motion, which never repeats, the number of whole cells is 0, and the
+    rest is all of the argument.
     """
     p, e = two_prod(t, clock[0, 0])
     s, f = two_sum(p, clock[1, 0])

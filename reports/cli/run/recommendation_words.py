@@ -16,7 +16,8 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
 
     These are the names of `Recommendation`'s attributes, with four exceptions: `recommended` and
     `methods` are the best candidate and all of them, `verified` says whether the last check is
-    within the bounds, and `left_in_ratio` is what `_ratio` returns.
+    within the bounds, and `left_in_ratio` is the factor by which steps of the best candidate take
+    longer if the adapter leaves nothing out.
     """
     methods = [_method(candidate) for candidate in recommendation.candidates]
     return {

@@ -205,7 +205,10 @@ def _survival_record(survival: Survival | None) -> dict[str, Any]:
 
 
 def run_records(results: Results) -> list[dict[str, Any]]:
-    """Return every run of a result file, those of ensembles too, as what `row_record` returns."""
+    """Return a JSON object for every run of a result file, those of ensembles too.
+
+    `row_record` says what such an object has.
+    """
     return [row_record(row) for row in results.every_row]
 
 
@@ -221,6 +224,7 @@ def row_record(row: Row) -> dict[str, Any]:
 def verdict_record(verdict: Verdict) -> dict[str, Any]:
     """Return a verdict as a JSON object; scripts rely on the names of the keys.
 
-    It has the fields of `Verdict`, and the properties that `MADE` names, such as `reason`.
+    It has the fields of `Verdict`, and its properties `reason`, `tail`, `level`, `order` and
+    `ground` (`MADE`).
     """
     return as_json(verdict) | {name: getattr(verdict, name) for name in MADE}
