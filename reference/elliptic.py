@@ -119,7 +119,7 @@ class Theta:
     eta: mpf
 
     def value_and_slope(self, x: mpf) -> tuple[mpc, mpc]:
-        """Return the function and its derivative at real x."""
+        """Return the values of this function and of its derivative by x at a real x."""
         value, slope = mpc(0), mpc(0)
         for harmonics, unit in ((self.real, mpc(1)), (self.imaginary, mpc(0, 1))):
             f, df = _sum(harmonics, self.stretch * x, self.hyperbolic)

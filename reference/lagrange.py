@@ -261,7 +261,7 @@ def _log_rates(
     functions, spin = jacobi(swing.lattice), omega[2] - constants_of_motion.d
 
     def height(x: mpf) -> tuple[mpf, mpf, mpf]:
-        """Return sn², cn² and the rate of u = cos β, 1/s, at x."""
+        """Return sn², cn² and the rate of u = cos β, 1/s, at the argument x of the thetas."""
         sn, cn, dn = functions(x)
         return sn**2, cn**2, 2 * swing.p * swing.u21 * sn * cn * dn
 

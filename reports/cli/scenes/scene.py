@@ -42,7 +42,10 @@ BEGINS_WITH = ("gravity", "pivot")
 
 
 def _effects() -> str:
-    """Return an example of each effect's TOML table, as comments unless `BEGINS_WITH` has it."""
+    """Return an example of each effect's TOML table, as text for a new scene's file.
+
+    The tables of effects other than those in `BEGINS_WITH` are comments.
+    """
     texts = {e.table: f"{e.heading}\n{e.model.EXAMPLE}" for e in EFFECTS.values()}
     return "".join(
         line if name in BEGINS_WITH else f"# {line}"

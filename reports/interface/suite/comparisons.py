@@ -129,6 +129,8 @@ def require(
 
     Parameters
     ----------
+    holds : whether it holds
+    engine, method : the engine and method under test, which the message names
     scene : the scene that the condition is about; None if it is not about one scene
     words : what is wrong if the condition does not hold
     """

@@ -84,7 +84,7 @@ def _names(key: Key) -> tuple[str, str, str]:
 
 
 def _run(row: Row) -> tuple[Any, ...]:
-    """Return a run as a line of the table ``run``."""
+    """Return a run as a line of the table ``run``, whose columns `RUN` names."""
     return (
         *_names(row.key),
         row.engine_version,
@@ -100,7 +100,7 @@ def _run(row: Row) -> tuple[Any, ...]:
 
 
 def _tried(scene: SceneRuns, runs: MethodRuns, place: int) -> tuple[Any, ...]:
-    """Return a method on a scene as a line of the table ``tried``.
+    """Return a method on a scene as a line of the table ``tried``, whose columns `TRIED` names.
 
     `place` is the method's index in `ReportData.pairs`.
     """
