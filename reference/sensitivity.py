@@ -304,7 +304,8 @@ def _translated(
     """Return derivatives of com and velocity, world axes, (n, 6, k), of a body without a pivot.
 
     Along world axes that are not held the body is in free flight; on a table the height of the com
-    is that of the rotated lever. k is the count of numbers, such as components, that have one name.
+    is that of the rotated lever. n is the number of samples, and k the number of components that
+    one name has.
 
     Parameters
     ----------
@@ -330,7 +331,7 @@ def _translated(
 def _heaved(
     scenario: Scenario, motion: Trajectory, turned: FloatArray, levers: FloatArray
 ) -> FloatArray:
-    """Return derivatives of the com's height, ẑ·R lever, and of its rate, ẑ·R (ω × lever).
+    """Return derivatives of the com's height, ẑ·R lever, and its rate, ẑ·R (ω × lever), at n times.
 
     R is the attitude, and the lever the vector from the tip on a table to the com.
 

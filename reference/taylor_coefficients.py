@@ -251,8 +251,9 @@ def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: i
     Parameters
     ----------
     series : Taylor coefficients, a row for each order
-    constants, terms : constants of the equations of motion, and which terms these have
+    constants : constants of the equations of motion
     inverses : 1/n and 1/(2n), in column n
+    terms : which terms the equations of motion have
     """
     if terms.world_vectors[ON_TABLE]:
         _press(series, constants, n)

@@ -249,7 +249,7 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 
 
 def _first_turn(azimuth: FloatArray) -> Range:
-    """Return the range of the n azimuths of a path to show, degrees: at most its first turn."""
+    """Return the range of a path's azimuths, (n,), to show, degrees: at most the first turn."""
     if np.ptp(azimuth) <= ONE_TURN:
         return padded(azimuth)
     onwards = np.sign(azimuth[-1] - azimuth[0]) or 1.0

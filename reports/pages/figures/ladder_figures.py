@@ -207,10 +207,10 @@ def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
 
 
 def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArray:
-    """Return the errors of runs in a signal as they are drawn, in the figure's unit, (n,).
+    """Return the errors in a signal of those n runs that have errors, as they are drawn, (n,).
 
-    Errors below the reference's uncertainty are raised to it, and infinite ones are NaN. Runs
-    without errors are left out.
+    They are in the figure's unit. Errors below the reference's uncertainty are raised to it, and
+    infinite ones are NaN.
     """
     errors = [
         max(row.errors[signal.name], scene.uncertainty(row)[signal.name])
