@@ -116,8 +116,14 @@ def _response(
 ) -> Errors:
     """Return how much each signal changes if the problem's numbers change by one ulp.
 
-    It is scaled down from the effect of a larger change, which is made with the k-th choice of
-    signs; the other parameters are as in `conditioning`.
+    It is scaled down from the effect of a larger change.
+
+    Parameters
+    ----------
+    exact_motion : the motion of `problem`
+    solved : returns the motion of a changed problem, at the same times
+    nudge : returns the changed problem, given the problem, k, and the relative size of the changes
+    k : which choice of the signs of the changes is used
     """
     for size in NUDGES:
         apart = errors_between(scenario, solved(nudge(problem, k, mpf(size))), exact_motion)

@@ -143,7 +143,7 @@ class Law:
 def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     """Return kinetic plus potential energy less the work of rotors' motors, J, (n,).
 
-    The motors keep the spins of driven rotors constant.
+    n is the number of samples. The motors keep the spins of driven rotors constant.
     """
     total = energy_of(scene.scenario, motion)
     for work in filter(None, (effect.work for effect in scene.scenario.acting)):
@@ -154,24 +154,27 @@ def _energy(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 def _L_world(scene: InvariantScales, motion: Trajectory) -> FloatArray:
     """Return the angular momentum L less the impulse τ t, world axes, kg m²/s, (n, 3).
 
-    τ is the torque that is fixed in the world.
+    n is the number of samples, and τ the torque that is fixed in the world.
     """
     impulse = motion.t[:, None] * scene.scenario.pushed["torque_world"]
     return np.asarray(angular_momentum_world(scene.scenario, motion) - impulse)
 
 
 def _L_norm(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return ‖L − τ t‖, kg m²/s, (n,), with τ the torque that is fixed in the world."""
+    """Return ‖L − τ t‖ at n samples, kg m²/s, (n,), with τ the torque fixed in the world."""
     return np.asarray(np.linalg.norm(_L_world(scene, motion), axis=1))
 
 
 def _L_vertical(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return the upward component of L − τ t, kg m²/s, (n,); τ is the torque fixed in the world."""
+    """Return the upward component of L − τ t at n samples, kg m²/s, (n,).
+
+    τ is the torque that is fixed in the world.
+    """
     return np.asarray(_L_world(scene, motion) @ scene.up_world)
 
 
 def _L_axial(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return L along the axis of a symmetric top less τ3 t, kg m²/s, (n,).
+    """Return L along the axis of a symmetric top less τ3 t, at n samples, kg m²/s, (n,).
 
     τ3 is the component of the torque fixed in the body along this axis, and τ3 t its impulse.
     """
@@ -194,13 +197,13 @@ def _goryachev_chaplygin(scene: InvariantScales, motion: Trajectory) -> FloatArr
 
 
 def _momentum(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return m (v − g t), v the com's velocity, kg m/s, (n, 3); 0 along axes that are held."""
+    """Return m (v − g t), v the com's velocity, at n samples, kg m/s, (n, 3); 0 along held axes."""
     gained = motion.t[:, None] * scene.scenario.gravity_world
     return scene.scenario.body.mass * (motion.velocity_world - gained) * scene.is_flying
 
 
 def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return the com's place at t = 0 if it had fallen freely to each state, m, (n, 3).
+    """Return the com's place at t = 0 if it had fallen freely to each of n states, m, (n, 3).
 
     It is r − v t + ½ g t², with position r and velocity v of the com; 0 along held axes.
     """
@@ -210,7 +213,7 @@ def _parabola(scene: InvariantScales, motion: Trajectory) -> FloatArray:
 
 
 def _held_point(scene: InvariantScales, motion: Trajectory) -> FloatArray:
-    """Return the place of the body's point that its constraint holds, m, (n, 3).
+    """Return the place of the body's point that its constraint holds, at n samples, m, (n, 3).
 
     It is 0 along world axes along which the point is not held.
     """
@@ -239,7 +242,10 @@ def _is_symmetric(scene: InvariantScales) -> bool:
 
 
 def _is_thrown(scene: InvariantScales) -> bool:
-    """Whether the body has no pivot, and no force but gravity acts on its com along free axes."""
+    """Whether the body has no pivot, and gravity is the only force on its com.
+
+    Forces along world axes along which the body is held do not count.
+    """
     forces = {effect.name for effect in scene.scenario.acting if effect.is_force}
     return not scene.scenario.constraint.is_pivot and forces <= {"gravity"}
 

@@ -9,7 +9,7 @@ from .kernel import as_kernels_take, kernel
 
 
 def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
-    """Return the deviations of recorded states from computed ones, (..., S, 6).
+    """Return the deviations of S recorded states from computed ones, (..., S, 6).
 
     Each is a rotation vector from the computed to the recorded attitude, rad, and the recorded less
     the computed ω, rad/s, both in body axes.
@@ -28,9 +28,10 @@ def apart(computed: FloatArray, recorded: FloatArray) -> FloatArray:
 
 @kernel
 def _fill(computed: FloatArray, recorded: FloatArray, off: FloatArray) -> None:
-    """Write what `apart` returns for S recorded states, (S, 7), and H computations into `off`.
+    """Write the deviations of S recorded states from those of H computations into `off`, (H, S, 6).
 
-    `computed` is (H, S, 7), and `off` is (H, S, 6).
+    States are q, scalar first, and ω, rad/s, body axes: `computed`, (H, S, 7), and `recorded`,
+    (S, 7). Deviations are as `apart` describes them.
     """
     for n in range(computed.shape[0]):
         for s in range(computed.shape[1]):

@@ -32,7 +32,8 @@ _EXACT_BITS = 2200
 def _fma(_context: Any, x: Any, y: Any, z: Any) -> Any:
     """Return for numba the signature and code generator of x y + z, rounded once.
 
-    This is fusedMultiplyAdd of IEEE 754-2008, section 5.4.1.
+    This is fusedMultiplyAdd of IEEE 754-2008, section 5.4.1. x, y and z are numba's types of the
+    arguments; its context of typing, `_context`, is not used.
     """
 
     def generate(_: Any, builder: ir.IRBuilder, __: Any, arguments: Any) -> Any:

@@ -143,7 +143,10 @@ GRAVITY = EffectTerms(
 
 
 def _spin_down(scenario: Scenario, problem: Problem) -> Iterator[Fact]:  # noqa: ARG001
-    """Yield the spin-down time, s, of a symmetric body under drag; nothing for any other body."""
+    """Yield the spin-down time, s, of a symmetric body under drag; nothing for any other body.
+
+    `scenario` is not used: all effects' functions that yield facts have the same parameters.
+    """
     axis = symmetry_axis(problem)
     if problem.drag and axis is not None:
         time = float(moment_about(problem, axis) / problem.drag)
@@ -197,6 +200,7 @@ def _body_on_table(scenario: Scenario, q: Quaternion, change: BodyChange) -> Num
 
     Parameters
     ----------
+    scenario : not used; other effects' functions of this kind need it
     q : the quaternion from body axes to principal axes
     change : the change of the body
     """
@@ -237,7 +241,9 @@ def _momentum_of_rotors(scenario: Scenario, problem: Problem) -> Iterator[Fact]:
 def _spins(scenario: Scenario, q: Quaternion) -> ByParameter:  # noqa: ARG001
     """Return the changes of the rotors' constant angular momenta by 1 rad/s more of each spin.
 
-    The changes, kg m²/s, are zero for a rotor on a locked hinge.
+    The dictionary has one entry, "spins": for each rotor, `{"kept": changes}`, where the changes,
+    kg m²/s, are those of all rotors by this rotor's spin. They are zero if it is on a locked hinge.
+    `q` is not used.
     """
     rotors = scenario.rotors.each
     return {

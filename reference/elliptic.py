@@ -50,7 +50,10 @@ class Lattice:
 
     @property
     def hyperbolic(self) -> bool:
-        """Whether theta functions are summed with the nome q', as series of sinh and cosh."""
+        """Whether theta functions are summed as series of sinh and cosh, with the nome q'.
+
+        These converge faster than series of sines and cosines if m > 1/2, and are used then.
+        """
         return bool(self.m > self.m1)
 
     @cached_property
@@ -116,7 +119,7 @@ class Theta:
     eta: mpf
 
     def value_and_slope(self, x: mpf) -> tuple[mpc, mpc]:
-        """Return the function and its derivative at real x."""
+        """Return the values of this function and of its derivative by x at a real x."""
         value, slope = mpc(0), mpc(0)
         for harmonics, unit in ((self.real, mpc(1)), (self.imaginary, mpc(0, 1))):
             f, df = _sum(harmonics, self.stretch * x, self.hyperbolic)

@@ -69,7 +69,10 @@ def _start(scenario: Scenario, problem: Problem) -> Trajectory:
 
 
 def _of_any_body(scenario: Scenario, problem: Problem, start: Trajectory) -> Iterator[Fact]:
-    """Yield facts of any scene: moments, angular momentum, energies and forces."""
+    """Yield facts of any scene: moments, angular momentum, energies and forces.
+
+    `start` is a trajectory of one sample, the state at t = 0.
+    """
     point = "pivot" if scenario.constraint.is_pivot else "centre of mass"
     less = ", less what parts that turn freely have about their axles" if problem.kept else ""
     for k, moment in enumerate(problem.moments, start=1):

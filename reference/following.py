@@ -238,9 +238,15 @@ def _step(
 ) -> None:
     """Replace the state y, q and ω, (7,), by the state after a step of h seconds.
 
-    `e` has the equations' numbers, from `all_numbers`. The parameters from `a` to `keeps_length`
-    are the attributes of an `Integrator`. k, (stages, STAGE), and at, (7,), are workspace for the
-    stages and for a state.
+    Parameters
+    ----------
+    e : the equations' numbers, from `all_numbers`
+    a, b : coefficients of an explicit Runge-Kutta method, (stages, stages) and (stages,)
+    turned_by : which ω advances the attitude: `STAGES` for that of all stages, `START` or `END` for
+        that at the start or the end of the step
+    is_exponential : whether the attitude is turned by the rotation vector ω h, not by adding h q'
+    keeps_length : whether ω is scaled so that I ω keeps its length
+    k, at : workspace for the stages, (stages, STAGE), and for a state, (7,)
     """
     for n in range(b.size):
         for i in range(7):

@@ -294,7 +294,7 @@ def _bottom(top: HeavySymmetricTop) -> mpf:
 
 
 def _at_most_one(u: mpf) -> mpf:
-    """Return a root u, moved to the pole ±1 if rounding has put it beyond or just short of it."""
+    """Return u = cos β, moved to 1 or −1 if it is beyond, or differs from it by rounding only."""
     if equal(abs(u), mpf(1)) or abs(u) > 1:
         return mp.sign(u)
     return u

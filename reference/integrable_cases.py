@@ -61,7 +61,7 @@ def goryachev_chaplygin_frame(problem: Problem) -> Frame | None:
 
 
 def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
-    """Return Kovalevskaya's constant along a trajectory, rad⁴/s⁴, (n,).
+    """Return Kovalevskaya's constant at the n samples of a trajectory, rad⁴/s⁴, (n,).
 
     It is |(ω1 + iω2)² − (M g l/I3)(γ1 + iγ2)|², with γ the upward vertical, along e1, e2, e3.
 
@@ -76,7 +76,7 @@ def kovalevskaya(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArr
 
 
 def goryachev_chaplygin(problem: Problem, frame: Frame, motion: Trajectory) -> FloatArray:
-    """Return the Goryachev–Chaplygin constant along a trajectory, rad³/s³, (n,).
+    """Return the Goryachev–Chaplygin constant at the n samples of a trajectory, rad³/s³, (n,).
 
     It is ω3(ω1² + ω2²) − (M g l/I3) ω1 γ3, with γ the upward vertical, along e1, e2, e3.
 
@@ -97,7 +97,10 @@ def pull_over_third_moment(problem: Problem, frame: Frame) -> float:
 
 
 def _along(problem: Problem, frame: Frame, motion: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """Return components of ω, rad/s, and of the upward vertical along e1, e2, e3, (n, 3) each."""
+    """Return components of ω, rad/s, and of the upward vertical along e1, e2, e3 at n samples.
+
+    Both arrays are (n, 3).
+    """
     frame_body = np.array([to_body(problem, axis) for axis in frame], dtype=float)
     up_body = motion.R_world_body.inv().apply(up_world(problem))
     return motion.omega_body @ frame_body.T, up_body @ frame_body.T

@@ -52,7 +52,7 @@ class Invariant:
         return change / scale if scale > 0 else np.where(change == 0, 0.0, np.inf)
 
     def drift(self, motion: Trajectory) -> float:
-        """Return the largest relative change of the conserved quantity along a motion."""
+        """Return the conserved quantity's largest change along a motion, relative to its scale."""
         return float(self.drift_series(motion).max())
 
 
@@ -64,5 +64,5 @@ def invariants(scenario: Scenario) -> tuple[Invariant, ...]:
 
 
 def drifts(scenario: Scenario, motion: Trajectory) -> dict[str, float]:
-    """Return the largest relative drift of each quantity that a scene conserves, by law's name."""
+    """Return the largest change of each conserved quantity relative to its scale, by law's name."""
     return {invariant.name: invariant.drift(motion) for invariant in invariants(scenario)}

@@ -120,7 +120,12 @@ def _steady(
 ) -> ClosedForm:
     """Return steady precession in closed form: |A|, |B| and the rates of both phases are constant.
 
-    The parameters are as in `_swinging`.
+    Parameters
+    ----------
+    frames : the rotations that relate the frames of A and B to the world and to principal axes
+    start : the Cayley–Klein parameters A and B of the attitude at t = 0
+    omega : ω along the axes of the top's frame at t = 0, rad/s
+    constants_of_motion : the constants that follow from this start
     """
     delta, spin = constants_of_motion.delta, omega[2] - constants_of_motion.d
     above, below = (2 - delta, delta) if constants_of_motion.pole > 0 else (delta, 2 - delta)
@@ -175,8 +180,13 @@ def _starts(
 ) -> tuple[InitialValue, InitialValue, InitialValue]:
     """Return A, B and W = ω2 + iω1 at t = 0, with their derivatives.
 
-    A and B are the Cayley–Klein parameters. By Euler's equations W' = i (ω3 − d) W + b A B*, with b
-    and d of `Constants`. The parameters are as in `_swinging`.
+    By Euler's equations W' = i (ω3 − d) W + b A B*, with b and d of `Constants`.
+
+    Parameters
+    ----------
+    start : the Cayley–Klein parameters A and B of the attitude at t = 0
+    omega : ω along the axes of the top's frame at t = 0, rad/s
+    constants_of_motion : the constants that follow from this start
     """
     W = transverse(omega)
     W_rate = mpc(
@@ -189,11 +199,17 @@ def _starts(
 def _numerators(constants_of_motion: Constants, swing: Nutation) -> tuple[Theta, Theta, Theta]:
     """Return the numerators of A, B and W: θ1 or θ2, with arguments shifted by an imaginary iy.
 
+    A and B are the Cayley–Klein parameters; they and W are quotients of theta functions.
     u = cos β moves between u1 and u2. A vanishes where u is −1: at the argument iy with
     sc²(y|m1) = (1 + u1)/(u2 − u1). B vanishes where u is 1, and W = ω2 + iω1 where u is a constant
     U: both at K + iy with nd²(y|m1) = (u − u1)/(u2 − u1). The functions sc and nd give the sine and
     cosine of the amplitude of y. On the separatrix, m1 = 0, the series of θ2 is a constant,
-    whatever y is. The parameters are as in `_swinging`.
+    whatever y is.
+
+    Parameters
+    ----------
+    constants_of_motion : the constants of motion, and the state at t = 0
+    swing : the nutation that follows from these constants
     """
     lattice, below, above = swing.lattice, swing.below, swing.above
     y_A = first_kind(above[0] / above[1], swing.u21 / above[1], lattice.m)
@@ -234,12 +250,18 @@ def _log_rates(
     """Return A'/A, B'/B and W'/W, 1/s, as functions of the argument x of the theta functions.
 
     A and B are the Cayley–Klein parameters, and W = ω2 + iω1. The quotients follow from u = cos β,
-    u̇ and the constants of motion. The parameters are as in `_swinging`.
+    u̇ and the constants of motion.
+
+    Parameters
+    ----------
+    omega : ω along the axes of the top's frame at t = 0, rad/s
+    constants_of_motion : the constants of motion, and the state at t = 0
+    swing : the nutation that follows from these constants
     """
     functions, spin = jacobi(swing.lattice), omega[2] - constants_of_motion.d
 
     def height(x: mpf) -> tuple[mpf, mpf, mpf]:
-        """Return sn², cn² and the rate of u = cos β, 1/s, at x."""
+        """Return sn², cn² and the rate of u = cos β, 1/s, at the argument x of the thetas."""
         sn, cn, dn = functions(x)
         return sn**2, cn**2, 2 * swing.p * swing.u21 * sn * cn * dn
 

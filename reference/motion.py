@@ -99,10 +99,10 @@ def along_axes(problem: Problem, motion: Trajectory) -> tuple[FloatArray, FloatA
 def _placed(
     scenario: Scenario, q_world_body: FloatArray, omega_body: FloatArray, flight: Flight
 ) -> tuple[FloatArray, FloatArray]:
-    """Return position, m, and velocity, m/s, of the centre of mass, (n, 3) each.
+    """Return position, m, and velocity, m/s, of the com at n samples, (n, 3) each, world axes.
 
     On a world axis along which the body is held, they follow from attitude, (n, 4), and ω, rad/s,
-    (n, 3); on any other world axis the body is in free flight.
+    (n, 3); on any other world axis the body is in free flight, as `flight` describes it.
     """
     g, t = scenario.gravity_world, flight.seconds[:, None]
     fallen = flight.com_world + flight.velocity_world * t + 0.5 * g * t**2

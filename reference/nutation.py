@@ -94,9 +94,14 @@ def _constants_from(pole: int, start: CayleyKlein, omega: Vector, b: mpf, d: mpf
     """Return a top's constants of motion and start, with heights measured from a given pole.
 
     A difference of numbers that agree to working precision is set to zero. u̇ follows from A and B,
-    the Cayley–Klein parameters `start`: −γ1 + iγ2 = 2 A B*, with γ the upward vertical along the
-    top's axes. `pole` is 1 for the upper pole, −1 for the lower; the other parameters are as in
-    `constants`.
+    as −γ1 + iγ2 = 2 A B*, with γ the upward vertical along the top's axes.
+
+    Parameters
+    ----------
+    pole : 1 for the upper pole, −1 for the lower
+    start : the Cayley–Klein parameters A and B of the attitude at t = 0
+    omega : ω along the axes of the top's frame at t = 0, rad/s
+    b, d : 2 M g l/I1, s⁻², and I3 ω3/I1, 1/s
     """
     W = transverse(omega)
     tilt = abs(start.B if pole > 0 else start.A)

@@ -67,13 +67,13 @@ def all_numbers(equations: OtherEquations) -> FloatArray:
 
 @kernel
 def vector(v: FloatArray, at: int) -> Vector:
-    """Return the vector whose three numbers begin at an index of an array."""
+    """Return the vector whose three numbers begin at the index `at` of an array v."""
     return v[at], v[at + 1], v[at + 2]
 
 
 @kernel
 def matrix(M: FloatArray, at: int) -> Matrix:
-    """Return the 3 × 3 matrix whose numbers begin at an index of an array, row by row."""
+    """Return the 3 × 3 matrix whose numbers, row by row, begin at the index `at` of an array M."""
     return (
         *(M[at], M[at + 1], M[at + 2]),
         *(M[at + 3], M[at + 4], M[at + 5]),
@@ -83,7 +83,7 @@ def matrix(M: FloatArray, at: int) -> Matrix:
 
 @kernel
 def put(v: Vector, to: FloatArray, at: int) -> None:
-    """Write a vector to an array, from an index on."""
+    """Write the three numbers of a vector v into the array `to`, from the index `at` on."""
     to[at], to[at + 1], to[at + 2] = v
 
 
@@ -203,8 +203,9 @@ def _unit(axis: int) -> Vector:
 def _of_attitude(e: FloatArray, R: Matrix) -> Vector:
     """Return the torques that depend on the attitude, without that of gravity, N m, body axes.
 
-    They are those of `attitude_torque`, `spring` and `gravity_gradient`. `e` has the numbers of the
-    equations, and R is the attitude, body to world.
+    They are those of dipoles and springs (`attitude_torque`, `spring`) and of the gravity gradient
+    (`gravity_gradient` of `OtherEquations`). `e` has the numbers of the equations, and R is the
+    attitude, body to world.
     """
     torque, P, S = (0.0, 0.0, 0.0), matrix(e, ATTITUDE_TORQUE), matrix(e, GRAVITY_GRADIENT)
     for i in range(3):
@@ -321,7 +322,8 @@ def _by_turned_tensor(e: FloatArray, R: Matrix, omega: Vector, torque: Vector) -
 
     The engine computes ω = Rᵀ I⁻¹ R L along world axes, where R I⁻¹ Rᵀ L would be right. Its L,
     which only torques change, is therefore Rᵀ I R ω. `e` has the numbers of the equations, R is the
-    attitude, body to world, and `torque` is what `_torque` returns.
+    attitude, body to world, and `torque` is the sum of all torques and of −ω × (G ω + h), N m, body
+    axes.
     """
     inverse = matrix(e, INVERSE)
     turned = plus(by_tensor(e, GYROSCOPIC, R, omega), vector(e, KEPT), 1.0)

@@ -135,7 +135,10 @@ def _of_body(
 
 
 def _joined(each: Iterable[Numbers]) -> Numbers:
-    """Return the changes of several effects in one dictionary; no attribute is in two of them."""
+    """Return the changes that several effects make to a problem's numbers, in one dictionary.
+
+    The keys are attributes of `Problem`; no two effects change the same one.
+    """
     return {name: by for numbers in each for name, by in numbers.items()}
 
 

@@ -288,7 +288,11 @@ def _marched(varied: _Varied, times: FloatArray, orders: Orders) -> tuple[FloatA
 
 
 def _first_order(row: Tables, orders: Orders) -> Tables:
-    """Return a Taylor series, high and low parts: zeros, but `row` at the start of order 0."""
+    """Return the table of a Taylor series that has only its order 0, as high and low parts.
+
+    All other coefficients are zeros, for orders up to `orders.total`. `row` has the first numbers
+    of order 0: the state, or its derivative.
+    """
     series = np.zeros((2, orders.total + 1, WIDTH))
     series[:, :1, : row[0].shape[1]] = row
     return series[0], series[1]
@@ -300,12 +304,13 @@ def _translated(
     """Return derivatives of com and velocity, world axes, (n, 6, k), of a body without a pivot.
 
     Along world axes that are not held the body is in free flight; on a table the height of the com
-    is that of the rotated lever.
+    is that of the rotated lever. n is the number of samples, and k the number of components that
+    one name has.
 
     Parameters
     ----------
     by_name : changes of the problem, by the name of what derivatives are with respect to
-    turned : derivatives of attitude and ω, by the same names
+    turned : derivatives of attitude and ω, by the same names, (n, 6, k)
     """
     flying = ~np.array(scenario.constraint.is_held)
     t = motion.t[:, None, None]
@@ -326,7 +331,7 @@ def _translated(
 def _heaved(
     scenario: Scenario, motion: Trajectory, turned: FloatArray, levers: FloatArray
 ) -> FloatArray:
-    """Return derivatives of the com's height, ẑ·R lever, and of its rate, ẑ·R (ω × lever).
+    """Return derivatives of the com's height, ẑ·R lever, and its rate, ẑ·R (ω × lever), at n times.
 
     R is the attitude, and the lever the vector from the tip on a table to the com.
 
@@ -402,7 +407,8 @@ def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
 
     Parameters
     ----------
-    difference : differences of derivatives from those of another solution, (n, 6, k) or (n, 6)
+    difference : differences of derivatives by k numbers from those of another solution, (n, 6, k);
+        or by a single number, (n, 6)
     values : the derivatives, of the same shape
     rate : the unit of ω, rad/s
     """
@@ -421,6 +427,9 @@ def _relative(difference: FloatArray, values: FloatArray, rate: float) -> float:
 
 
 def _conditioning(state_transition: FloatArray, rate: float) -> FloatArray:
-    """Return the largest singular values of state transitions, with ω in units of `rate`, (n,)."""
+    """Return the largest singular value of each of n state transitions, (n,).
+
+    `state_transition` is (n, 6, 6); ω in it is taken in units of `rate`, rad/s.
+    """
     unit = np.repeat([1.0, rate], 3)
     return read_only(np.linalg.norm(state_transition / unit[:, None] * unit, 2, axis=(1, 2)))

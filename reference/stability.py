@@ -97,13 +97,15 @@ def tumbling_period(moments: Vector, omega: Vector) -> float | None:
 
 
 def _excess(moments: Vector, omega: Vector, of: mpf) -> mpf:
-    """Return L² − 2 E I for the moment I = `of`, kg m², in kg² m⁴/s².
+    """Return L² − 2 E I for one of the principal moments I, kg² m⁴/s².
 
     L is the angular momentum, and E the kinetic energy. The result is summed axis by axis, so that
     the axis of this moment drops out exactly.
 
     Parameters
     ----------
-    moments, omega : as for `separatrix_distance`
+    moments : principal moments, kg m²
+    omega : ω along the principal axes, rad/s
+    of : the moment I, one of `moments`
     """
     return mp.fsum(moment * (moment - of) * w**2 for moment, w in zip(moments, omega, strict=True))

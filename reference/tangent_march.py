@@ -79,7 +79,16 @@ def _add_inertia(
     """Add what a change δI of the inertia contributes to order n of δω' and order n + 1 of δω.
 
     The orders are those of Taylor series, and δω is the derivative of ω. Order n of ω', and of δω'
-    at constant inertia, must be known. The parameters are those of `march_with_tangent`.
+    at constant inertia, must be known.
+
+    Parameters
+    ----------
+    series : Taylor coefficients of state and derivative, which are written
+    constants, inverses : the constants of the equations, and the table of 1/n, 1/(2n) and n, each
+        with its derivative as the tangent
+    terms : which terms the equations of motion have
+    tensor : δI, the derivative of the tensor of inertia, kg m², principal axes, (3, 3)
+    n : the order
     """
     _move(series, tensor, n + 1)
     turned = cross_omega(series.value, MOVED, n)

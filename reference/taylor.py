@@ -126,7 +126,12 @@ def integrate_double_double(
 ) -> DoubleDoubleStates:
     """Return the motion at given times in double-double.
 
-    Parameters and errors raised are those of `integrate`.
+    The errors raised are those of `integrate`.
+
+    Parameters
+    ----------
+    times : (n,) s, not decreasing, from 0 on; the problem's state is the one at t = 0
+    orders : number of orders of the series, in all and in double-double
     """
     times = as_kernels_take(times)
     if not (np.isfinite(times).all() and (times >= 0).all() and (np.diff(times) >= 0).all()):

@@ -95,7 +95,7 @@ def _vector(series: Table, n: int, column: int) -> Vector:
 
 @kernel
 def _omega_products(series: Table, n: int) -> Vector:
-    """Return the n-th Taylor coefficients of ω₂ω₃, ω₃ω₁, ω₁ω₂."""
+    """Return the n-th Taylor coefficients of ω₂ω₃, ω₃ω₁, ω₁ω₂, given the `series` of ω."""
     a = b = c = zero(series)
     for k in range(n + 1):
         w1, w2, w3 = _vector(series, k, OMEGA)
@@ -108,7 +108,10 @@ def _omega_products(series: Table, n: int) -> Vector:
 
 @kernel
 def _q_times_omega(series: Table, n: int) -> tuple[Number, Number, Number, Number]:
-    """Return the n-th Taylor coefficients of the quaternion product q ⊗ (0, ω)."""
+    """Return the n-th Taylor coefficients of the quaternion product q ⊗ (0, ω).
+
+    `series` has the coefficients of q and ω.
+    """
     r = a = b = c = zero(series)
     for k in range(n + 1):
         w1, w2, w3 = _vector(series, k, OMEGA)
@@ -124,7 +127,10 @@ def _q_times_omega(series: Table, n: int) -> tuple[Number, Number, Number, Numbe
 
 @kernel
 def cross_omega(series: Table, column: int, n: int) -> Vector:
-    """Return the n-th Taylor coefficient of v × ω; v is in the three columns from `column` on."""
+    """Return the n-th Taylor coefficient of v × ω, given the `series` of both vectors.
+
+    v is in the three columns from `column` on.
+    """
     a = b = c = zero(series)
     for k in range(n + 1):
         w1, w2, w3 = _vector(series, k, OMEGA)
@@ -141,7 +147,8 @@ def _acceleration(
 ) -> Number:
     """Return the n-th Taylor coefficient of component i of ω', without the force of a table.
 
-    `product` is that of the product of the other two components of ω; `constants` and `terms` are
+    `product` is the n-th coefficient of the product of the other two components of ω. `series` has
+    the n-th coefficients of ω and of the vectors fixed in the world; `constants` and `terms` are
     those of the equations of motion.
     """
     total = multiply(load(constants, EULER, i), product)
@@ -178,7 +185,7 @@ def _turn_world_vector(series: Table, inverses: Table, n: int, column: int) -> N
 def _dot(series: Table, n: int, left: int, right: int) -> Number:
     """Return the n-th Taylor coefficient of u · v.
 
-    u and v are in the three columns from `left` on and from `right` on.
+    u and v are in the three columns of `series` from `left` on and from `right` on.
     """
     total = zero(series)
     for k in range(n + 1):
@@ -224,7 +231,8 @@ def _press(series: Table, constants: Table, n: int) -> None:
 def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
     """Return the n-th Taylor coefficient of component i of ω' of a body on a plane, u + f e.
 
-    u is ω' without the normal force, f this force divided by the mass, and f e what it adds.
+    u is ω' without the plane's normal force, f this force divided by the mass, and f e what it adds
+    to ω'. `series` has u, f and e up to order n.
     """
     total = load(series, n, OTHER + i)
     for k in range(n + 1):
@@ -237,9 +245,15 @@ def _pressed_acceleration(series: Table, n: int, i: int) -> Number:
 def support(series: Table, constants: Table, inverses: Table, terms: Terms, n: int) -> None:
     """Write Taylor coefficient n + 1 of ω of a body on a plane, given coefficient n of u.
 
-    u is ω' without the normal force. Nothing is written if `terms` has no such plane. The
-    parameters are those of `extend`, which repeats these lines, because a call there costs a fifth
-    of the time.
+    u is ω' without the normal force. Nothing is written if `terms` has no such plane. `extend`
+    repeats these lines, because a call there costs a fifth of the time.
+
+    Parameters
+    ----------
+    series : Taylor coefficients, a row for each order
+    constants : constants of the equations of motion
+    inverses : 1/n and 1/(2n), in column n
+    terms : which terms the equations of motion have
     """
     if terms.world_vectors[ON_TABLE]:
         _press(series, constants, n)

@@ -126,7 +126,13 @@ def start_from_state(series: Table, constants: Table, terms: Terms) -> None:
     """Complete order 0 of a Taylor series, to which the state has been written.
 
     The vectors that are fixed in the world and in `terms`, such as the vertical, are added, in body
-    axes. Under drag, an ω below `STOPPED`, rad/s, is set to 0. The parameters are those of `march`.
+    axes. Under drag, an ω below `STOPPED`, rad/s, is set to 0.
+
+    Parameters
+    ----------
+    series : Taylor coefficients, a row for each order; only the row of order 0 is used
+    constants : constants of the equations of motion
+    terms : which terms the equations have
     """
     if terms.linear:
         _stop_if_stopped(series)
@@ -141,7 +147,11 @@ def _expand(
 ) -> None:
     """Compute orders 1 to `total` of a Taylor series, those up to `paired` in double-double.
 
-    The other parameters are those of `march`.
+    Parameters
+    ----------
+    series : Taylor coefficients, high and low parts; order 0 has the state
+    constants, inverses, terms : what `taylor.constants_of`, `inverses_to` and `terms_of` return
+    total, paired : number of orders after order 0, and how many of them are in double-double
     """
     start_from_state(series, constants, terms)
     extend(series, constants, inverses, terms, 0, paired)
@@ -169,8 +179,9 @@ def _rests(series: FloatArray, constants: FloatArray, total: int, t: float) -> b
 def _lifts_off(series: FloatArray, constants: FloatArray, total: int, h: float) -> float:
     """Return the time, from the start of a step of h seconds, at which a body leaves its table.
 
-    It is inf if the body does not leave the table in the step. `series`, `constants` and `total`
-    are those of `_rests`.
+    It is inf if the body does not leave the table in the step. `series` has the orders 0 to
+    `total` − 1 of the step, and `constants` are the constants of the equations of motion; of both,
+    the high parts alone are given.
     """
     before = 0.0
     for k in range(LOOKS + 1):

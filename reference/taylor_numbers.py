@@ -73,7 +73,7 @@ def load_double(table: Table, row: int, column: int) -> float:
 
 @for_pairs(lambda _: (0.0, 0.0))
 def zero(_: Table) -> Number:
-    """Return 0 in the arithmetic of a table's numbers."""
+    """Return 0 in the arithmetic of the numbers of the table `_`, whose values are not used."""
     return 0.0
 
 

@@ -64,9 +64,10 @@ class ThetaTables(NamedTuple):
 def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, float]:
     """Return the theta functions' argument at a time t, s, in cells: whole cells, and the rest.
 
-    A cell is a half period of sn and cn; `clock` is that of `ThetaTables`. The rest is a
-    double-double, as high and low part, in [-1/2, 1/2]. For an endless motion the number of whole
-    cells is 0, and the rest is all of the argument.
+    A cell is a half period of sn and cn. The first two rows of `clock` are double-doubles: cells
+    per second, and cells at t = 0. The rest is a double-double, as high and low part, in
+    [-1/2, 1/2]. For an endless motion, which never repeats, the number of whole cells is 0, and the
+    rest is all of the argument.
     """
     p, e = two_prod(t, clock[0, 0])
     s, f = two_sum(p, clock[1, 0])
@@ -79,7 +80,8 @@ def _cell(t: float, clock: FloatArray, endless: bool) -> tuple[float, float, flo
 def _unit(t: float, cell: float, phase: FloatArray) -> tuple[float, float]:
     """Return cosine and sine of the phase t · phase[0] + phase[1] + cell · phase[2], in turns.
 
-    Each row of `phase` is a double-double.
+    t is the time, s, and `cell` the number of whole cells that `_cell` returns. `phase` has a
+    double-double in each of its three rows: the phase per second, at t = 0 and per cell.
     """
     p, e = two_prod(t, phase[0, 0])
     r, f = two_prod(cell, phase[2, 0])

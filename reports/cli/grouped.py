@@ -32,7 +32,7 @@ class GroupedCommands(TyperGroup):
     """The group of all commands; its help lists them by `GROUPS`, and others at the end."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write a section of the help for each group of commands."""
+        """Write a section of the help, with typer's `formatter`, for each group of commands."""
         commands = set(self.list_commands(ctx))
         grouped = {name for names in GROUPS.values() for name in names}
         for heading, names in (GROUPS | {_OTHERS: sorted(commands - grouped)}).items():

@@ -218,7 +218,12 @@ def _print(text: str, first: str = "", rest: str = "") -> None:
 
 
 def record(inspection: Inspection) -> dict[str, Any]:
-    """Return an inspection as a JSON object."""
+    """Return an inspection as a JSON object: path of the `file`, its `links`, and a `summary`.
+
+    Each link is as `_link_record` returns it. The summary has what holds for the whole file:
+    whether all is well, counts of links, masses, why engines refused the file, and bodies that
+    consist of welded links.
+    """
     wrong = [" ".join(reading.column) for reading, _ in wrong_readings(inspection)]
     return {
         "file": str(inspection.model.path),
@@ -241,7 +246,12 @@ def record(inspection: Inspection) -> dict[str, Any]:
 
 
 def _link_record(link: InspectedLink) -> dict[str, Any]:
-    """Return an inspected link as a JSON object."""
+    """Return an inspected link as a JSON object.
+
+    It has the link's name, `link`; the body that the file states, `stated`, or null; faults of its
+    numbers, `problems`; and in `held`, for each engine and configuration, the body that the engine
+    holds, and how and why this differs.
+    """
     stated = link.link.stated
     return {
         "link": link.link.name,

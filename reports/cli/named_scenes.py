@@ -58,7 +58,8 @@ def scenes_to_run(names: Sequence[str], *, expectations: bool = True) -> list[Sc
 def listed(names: Sequence[str]) -> tuple[list[dict[str, object]], list[str]]:
     """Return a table row for each scene, and a message for each file that is no valid scene.
 
-    A `Complaint` is raised for a name that no scene has.
+    A row has the scene's name, kind (the library's folder that it is in), effects and title. A
+    `Complaint` is raised for a name that no scene has.
 
     Parameters
     ----------

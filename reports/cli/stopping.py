@@ -151,7 +151,10 @@ def _watch(obeyed: list[signal.Signals], received: threading.Event) -> None:
 
 
 def _leave(number: int, _: FrameType | None) -> None:
-    """End the program at once, with the exit code of the signal `number`."""
+    """End the program at once, with the exit code of the signal `number`.
+
+    Python calls it as a signal handler, with the stack frame as second argument, which is not used.
+    """
     os._exit(_BY_SIGNAL + number)
 
 

@@ -31,7 +31,7 @@ class Complaint(Exception):
 
 
 def command(name: str, path: Path) -> str:
-    """Return the command line for a command of spincheck and a file, quoted as a shell needs it."""
+    """Return the command line `spincheck NAME PATH`, quoted as a shell needs it."""
     return shlex.join(["spincheck", name, str(path)])
 
 
@@ -142,7 +142,7 @@ def table(rows: Sequence[Mapping[str, object]]) -> None:
 
 
 def _beside(columns: Sequence[object]) -> int:
-    """Return the number of characters in a line of a table that are borders or padding."""
+    """Return the number of characters that are borders or padding in a line with these columns."""
     return 3 * len(columns) + 1
 
 

@@ -53,7 +53,7 @@ class StoredResults:
     def verdicts_frame(self) -> Any:
         """Return the verdicts as a pandas `DataFrame` with a column for each field.
 
-        Each property that `MADE` names, such as `reason`, has a column, too.
+        The properties `reason`, `tail`, `level`, `order` and `ground` have columns, too.
 
         Raises
         ------

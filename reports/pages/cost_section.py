@@ -15,10 +15,11 @@ TO_LEVEL = {f"to {number(level, 1).removeprefix('1×')}": level for level in LEV
 
 
 def median_table(gathered: ReportData) -> Table:
-    """Return a table of the median cost of each method, CPU s a simulated s, at several errors.
+    """Return a table of what each method costs, CPU s a simulated s, to reach several errors of ω.
 
-    The median is over the scenes that the method can simulate. A second line in each cell has the
-    number of scenes on which the method reaches the error. The table is empty if no run was timed.
+    It is the median over the scenes that the method can simulate. A second line in each cell has
+    the number of scenes on which the method reaches the error. The table is empty if no run was
+    timed.
     """
     every = [curves(scene, COMPARED) for scene in gathered.scenes if scene.solved]
     if not any(curve.seconds_per_step for curves_of_scene in every for curve in curves_of_scene):

@@ -127,7 +127,11 @@ def _write_scenes(
 
 
 def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
-    """Return what the first page shows, by the names that its template uses."""
+    """Return what the first page shows, by the names that its template uses.
+
+    It shows the answer on the first screen, spread, heat map, tables of errors, methods and costs,
+    verdicts with their reasons, and the environment.
+    """
     plain = gathered.plain
     return {
         "answer": answer(gathered, results.costs),
@@ -151,8 +155,9 @@ def _overview(gathered: ReportData, results: Results) -> dict[str, Any]:
 
 
 def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any]:
-    """Return what the first page shows about hard scenes: scenes, a text and a table.
+    """Return what the first page shows about hard scenes.
 
+    The entries are `scenes`, a `text`, and `methods`, a table of the scenes that methods survive.
     `environment` is Jinja's, with the template of the text.
     """
     scenes = overview.hard_scenes(gathered)
@@ -166,7 +171,11 @@ def _hard_cases(gathered: ReportData, environment: Environment) -> dict[str, Any
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:
-    """Return what a scene's page shows, by the names that its templates use."""
+    """Return what a scene's page shows, by the names that its templates use.
+
+    They are the scene, the answer at the top, and tables. Those of the exact motion and of effects
+    are left out if the scene could not be solved.
+    """
     content: dict[str, Any] = {
         "scene": scene,
         "answer": scene_answer(scene),

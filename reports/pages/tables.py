@@ -106,5 +106,8 @@ def named(pair: tuple[str, str]) -> dict[str, Cell]:
 
 
 def verdict_cell(word: VerdictWord, detail: str = "", link: str = "") -> Cell:
-    """Return a cell that shows a verdict's word with its sign, in the verdict's colour."""
+    """Return a cell that shows a verdict's word with its sign, in the verdict's colour.
+
+    `detail` is a smaller second line, and `link` the target of the cell's link, if not empty.
+    """
     return Cell(f"{VERDICT[word].sign} {word}", word, detail, link)

@@ -86,8 +86,9 @@ class Database:
         Parameters
         ----------
         table : name of the table
-        where, order : the condition, and what the records are sorted by, in SQL
+        where : the condition, in SQL
         values : values of the condition's parameters, its question marks
+        order : what the records are sorted by, in SQL
 
         Raises
         ------

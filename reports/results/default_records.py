@@ -82,13 +82,15 @@ ALL = ("all",)
 
 
 def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row]) -> DefaultEffects:
-    """Return the effects of the defaults of a method.
+    """Return the effects of the defaults of a method on a scene, at one timestep.
 
     If the run with one default alone is missing, the run with all is used instead. If the run with
     all but one is missing, the run with none is used instead.
 
     Parameters
     ----------
+    key : names of scene, engine and method
+    timestep : timestep of all these runs, s
     by_names : the runs, by the names of the defaults that they keep; one keeps none, with the key
         `()`, and one all, with the key `ALL`
     """

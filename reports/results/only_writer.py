@@ -122,7 +122,7 @@ def _lock(descriptor: int) -> None:
 
 
 def _check_still_there(path: Path, descriptor: int) -> None:
-    """Raise `ResultFileError` unless the path still leads to the open file."""
+    """Raise `ResultFileError` unless the path still leads to the file open as `descriptor`."""
     with suppress(FileNotFoundError):
         if os.path.samestat(path.stat(), os.fstat(descriptor)):
             return

@@ -81,8 +81,9 @@ class Store:
 
         Parameters
         ----------
-        where, order : the condition, and what the records are sorted by, in SQL
+        where : the condition, in SQL
         values : values of the condition's parameters, its question marks
+        order : what the records are sorted by, in SQL
 
         Raises
         ------
@@ -93,7 +94,10 @@ class Store:
         return [table.read(one) for one in found if self._counts(table, one)]
 
     def _counts(self, table: Table[Any], columns: sqlite3.Row) -> bool:
-        """Whether a record, given by its columns, counts: its digest is that of `_digest`."""
+        """Whether a record, given by its columns, rests on the present scene, engine and program.
+
+        If it does not, it does not count as a result.
+        """
         return not table.rests_on or columns[DIGEST] == self._digest(table, columns)
 
     def _digest(self, table: Table[Any], columns: Mapping[str, Any] | sqlite3.Row) -> str:

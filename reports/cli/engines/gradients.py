@@ -84,7 +84,7 @@ def print_gradients(rows: Sequence[GradientRow]) -> None:
 
 
 def gradients_as_json(rows: Sequence[GradientRow]) -> list[dict[str, Any]]:
-    """Return each row as a dictionary, for JSON."""
+    """Return each row as a dictionary, for JSON: its attributes by name, nested ones too."""
     return [asdict(row) for row in rows]
 
 
@@ -109,7 +109,7 @@ def median_and_quartiles(costs: Sequence[float]) -> str:
 
 
 def _found(row: GradientRow) -> dict[str, object]:
-    """Return the verdict on a derivative as a row of a table."""
+    """Return the verdict on a derivative as a row of a table, by the headings of the columns."""
     return {
         "scene": row.scene,
         "engine": row.engine,
@@ -136,7 +136,8 @@ def useless(row: GradientRow) -> str:
 def _windows(rows: Sequence[GradientRow]) -> Iterator[dict[str, object]]:
     """Yield a table row for each derivative whose gradients through many steps were computed.
 
-    The row is about the longest window of time over which they were computed.
+    The row, by the headings of the columns, is about the longest window of time over which they
+    were computed.
     """
     for row in rows:
         if row.window:

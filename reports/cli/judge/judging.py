@@ -206,7 +206,11 @@ def _bound(option: str, text: str) -> tuple[str, float]:
 
 
 def judgement_as_json(judgement: Judgement) -> dict[str, Any]:
-    """Return a judgement as a JSON object: the errors of each file, and the verdict on all."""
+    """Return a judgement as a JSON object.
+
+    It has the scene's name, `scenario`; `files`, with the errors of each; `verdict` and `reason` on
+    all files, null for a single one; and `beyond`, sentences on errors that exceed the bounds.
+    """
     return {
         "scenario": judgement.scenario.name,
         "files": [
@@ -230,7 +234,10 @@ def print_judgement(judgement: Judgement) -> None:
 
 
 def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
-    """Yield the lines that are printed about one recorded motion, without its table."""
+    """Yield the lines that are printed about one recorded motion, without its table of errors.
+
+    `name` is the path of its file.
+    """
     t = motion.recorded.trajectory.t
     yield f"{printable(name)}: {len(t)} samples from {t[0]:g} to {t[-1]:g} s"
     # Mistakes that explain the errors come first: they tell what to do about the motion.
@@ -259,7 +266,10 @@ def _lines(name: str, motion: JudgedMotion) -> Iterator[str]:
 
 
 def _rows(motion: JudgedMotion) -> list[dict[str, object]]:
-    """Return a table row for each signal: the largest error, and the median and largest defect."""
+    """Return a table row, by headings, for each signal in which the motion has an error.
+
+    It has the largest error, the median and largest defect, and the time of the latter.
+    """
     rows: list[dict[str, object]] = []
     for name, error in motion.errors.items():
         signal, defect = SIGNAL[name], motion.defects.get(name)

@@ -42,8 +42,8 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
 def changes_between_versions(results: Results, older: str, newer: str) -> list[Change]:
     """Return the changes from the results of one engine to those of another, in one result file.
 
-    Each change names the engines as in "mujoco@3.3.0 → 4.0.0". A `Complaint` is raised if the file
-    has no verdict on one of them.
+    `older` and `newer` are the engines' names, such as "mujoco@3.3.0". Each change names both, as
+    in "mujoco@3.3.0 → 4.0.0". A `Complaint` is raised if the file has no verdict on one of them.
     """
     for name in (older, newer):
         if not any(verdict.key.engine == name for verdict in results.verdicts):
@@ -78,9 +78,10 @@ def exit_code(changes: Sequence[Change]) -> int:
 
 
 def changes_as_json(changes: Sequence[Change]) -> dict[str, Any]:
-    """Return all changes, with the number of regressions, as a JSON object.
+    """Return all changes as a JSON object: a list `changes`, and the number of `regressions`.
 
-    It also has the factors by which errors and costs must differ to count as changed.
+    `error_factor` and `cost_factor` are the factors by which errors and costs must differ to count
+    as changed.
     """
     return {
         "regressions": sum(change.regression for change in changes),
@@ -118,7 +119,7 @@ def _grouped(changes: Sequence[Change]) -> list[list[Change]]:
 
 
 def _line(group: Sequence[Change]) -> dict[str, object]:
-    """Return a row of a table that shows the largest change of a group."""
+    """Return a table row, by the columns' headings, that shows the largest change of a group."""
     most = max(group, key=_ratio)
     what = most.name
     if most.kind == "error":

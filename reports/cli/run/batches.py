@@ -125,7 +125,7 @@ def print_batches(rows: Sequence[BatchRow]) -> None:
 
 
 def batches_as_json(rows: Sequence[BatchRow]) -> list[dict[str, Any]]:
-    """Return each row as a dictionary, for JSON."""
+    """Return each row as a dictionary, for JSON: its attributes by name, nested ones too."""
     return [asdict(row) for row in rows]
 
 

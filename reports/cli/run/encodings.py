@@ -57,7 +57,10 @@ def encoded(
 
 
 def encoding_rows() -> list[dict[str, str]]:
-    """Return a row for each encoding: its name, what it changes, and its scenes and engines."""
+    """Return a table row for each encoding, by the headings of the columns.
+
+    It has the encoding's name, what it changes, and the scenes and the engines that it applies to.
+    """
     rows = []
     for name, encoding in ENCODINGS.items():
         needed = encoding.description.features

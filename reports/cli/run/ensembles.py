@@ -54,7 +54,11 @@ def print_ensemble(swept: EnsembleResult) -> None:
 
 
 def ensemble_as_json(swept: EnsembleResult) -> dict[str, Any]:
-    """Return an ensemble's definition and runs as a JSON object; scripts rely on its keys."""
+    """Return an ensemble as a JSON object; scripts rely on the names of the keys.
+
+    It has the fields of `Ensemble`, and in `points` the runs of members, as `row_record` returns
+    them.
+    """
     return asdict(swept.ensemble) | {"points": [row_record(point) for point in swept.points]}
 
 
@@ -67,7 +71,11 @@ def _by_method(points: Iterable[Row]) -> list[list[Row]]:
 
 
 def _line(points: Sequence[Row]) -> dict[str, object]:
-    """Return a row of a table that sums up the runs of one method on the members of an ensemble."""
+    """Return a row of a table that sums up the runs of one method on the members of an ensemble.
+
+    By the headings of the columns, it has how the runs ended and why, quantiles of their errors,
+    and the member with the largest attitude error.
+    """
     outcomes = Counter(point.outcome for point in points)
     causes = Counter(point.cause for point in points if point.cause)
     run = Members(points[0].pair, tuple(point for point in points if point.simulated))

@@ -242,6 +242,7 @@ def _checked(scene: str, bounds: ErrorBounds, results: Results, folder: Path) ->
     Parameters
     ----------
     scene : the scene as the user typed it
+    bounds : the largest errors allowed, by signal: attitude in rad, others relative
     results : runs of the scene, between which the candidates' timesteps are interpolated
     folder : where the result files of the checks are written
     """
@@ -304,6 +305,7 @@ def _too_long(best: Candidate, duration: float) -> str:
 
     Parameters
     ----------
+    best : the candidate
     duration : the simulated time of the run, s
     """
     seconds = (best.cost or 0.0) * duration
@@ -355,7 +357,10 @@ def _as_typed_again(recommendation: Recommendation, engine_names: Sequence[str])
 
 
 def _command(scene: str, best: Candidate) -> str:
-    """Return the command that runs a candidate again, into a result file of its own."""
+    """Return the command that runs a candidate again, into a result file of its own.
+
+    `scene` is the scene as the user typed it.
+    """
     parts = ["spincheck", "run", scene, "--engine", best.key.engine, "--method", best.key.method]
     # Results go to another file, as a run of a scene replaces what a file has of that scene.
     parts += ["--timestep", repr(best.timestep), "--out", "recommended.sqlite", "--json"]

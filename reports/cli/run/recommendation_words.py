@@ -12,7 +12,13 @@ from .recommend import Recommendation
 
 
 def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
-    """Return a recommendation as a JSON object; scripts rely on the names of the keys."""
+    """Return a recommendation as a JSON object; scripts rely on the names of the keys.
+
+    These are the names of `Recommendation`'s attributes, with four exceptions: `recommended` and
+    `methods` are the best candidate and all of them, `verified` says whether the last check is
+    within the bounds, and `left_in_ratio` is the factor by which steps of the best candidate take
+    longer if the adapter leaves nothing out.
+    """
     methods = [_method(candidate) for candidate in recommendation.candidates]
     return {
         "scenario": recommendation.scenario,
@@ -96,7 +102,7 @@ def _priced(candidate: Candidate) -> str:
 
 
 def _method(candidate: Candidate) -> dict[str, Any]:
-    """Return a candidate as a JSON object."""
+    """Return a candidate as a JSON object: names, timestep, cost, and how these are known."""
     return asdict(candidate.key) | {
         "timestep": candidate.timestep,
         "seconds_per_simulated_second": candidate.cost,

@@ -145,7 +145,7 @@ def check_all_apply(choice: Choice, scenarios: Sequence[Scenario]) -> None:
 
 
 def scenes_of(names: Sequence[str], *, quick: bool) -> list[Scenario]:
-    """Return the scenes to run; a quick run of the whole library leaves out hard scenes."""
+    """Return the scenes named or, without names, the library, less its hard scenes if `quick`."""
     scenarios = scenes_to_run(names)
     return [scenario for scenario in scenarios if names or not (quick and scenario.hard)]
 

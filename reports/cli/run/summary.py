@@ -114,12 +114,15 @@ def verdict_lines(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def cut(text: str, width: int) -> str:
-    """Return a text, cut to a number of characters if it is longer; it then ends in an ellipsis."""
+    """Return a text, cut to `width` characters if it is longer; it then ends in an ellipsis."""
     return text if len(text) <= width else f"{text[: width - 1]}…"
 
 
 def _begun(row: Row) -> str:
-    """Return the beginning of a run's line: the values of `Row.varied`, or else the timestep."""
+    """Return the beginning of a run's line: what is varied in the run, or else its timestep, s.
+
+    What may be varied (`Row.varied`) is the member of an ensemble, or the engine's defaults.
+    """
     if row.varied:
         values = "  ".join(map(_value, row.varied.values()))
         return f"  {cut(values.rstrip(), VARIED - 1):{VARIED}}"
@@ -127,7 +130,7 @@ def _begun(row: Row) -> str:
 
 
 def _value(varied: object) -> str:
-    """Return one of the values of `Row.varied` as text; a number is padded to a column's width."""
+    """Return a value that is varied in a run (`Row.varied`) as text; a number is padded."""
     if isinstance(varied, int | float):
         return f"{varied:<11.6g}"
     return ", ".join(map(str, varied)) if isinstance(varied, list) else f"{varied}"
@@ -140,7 +143,10 @@ def _ended(row: Row) -> str:
 
 
 def results_as_json(results: Results) -> dict[str, Any]:
-    """Return rows and verdicts as a JSON object; scripts rely on the names of the keys."""
+    """Return a JSON object with the lists `rows` and `verdicts`.
+
+    Their items are what `row_record` and `verdict_records` return. Scripts rely on the keys' names.
+    """
     return {
         "rows": [row_record(row) for row in results.rows],
         "verdicts": verdict_records(results),
@@ -148,7 +154,7 @@ def results_as_json(results: Results) -> dict[str, Any]:
 
 
 def verdict_records(results: Results) -> list[dict[str, Any]]:
-    """Return verdicts as JSON objects.
+    """Return verdicts as JSON objects, which have the entries of `verdict_record`.
 
     Each also has the finest useful timestep of its method, the bias of rounding on the scene, and
     the largest timestep at which runs survived.
@@ -176,9 +182,10 @@ def verdict_records(results: Results) -> list[dict[str, Any]]:
 
 
 def _floor_record(finest: float | None, bias: float | None) -> dict[str, Any]:
-    """Return a finest useful timestep, s, and a bias of rounding, ulp a step, as JSON entries.
+    """Return a method's finest useful timestep, s, and its bias of rounding, ulp a step, for JSON.
 
-    Either is None if no run shows it.
+    The keys are `finest_useful_timestep` and `rounding_bias_ulp_a_step`. Either value is None if no
+    run shows it.
     """
     return {"finest_useful_timestep": finest, "rounding_bias_ulp_a_step": bias}
 
@@ -186,7 +193,9 @@ def _floor_record(finest: float | None, bias: float | None) -> dict[str, Any]:
 def _survival_record(survival: Survival | None) -> dict[str, Any]:
     """Return the largest timestep that a method survives as entries of a JSON object.
 
-    If `survival` is None, that timestep is not known, and all entries are None.
+    The keys are `largest_surviving_timestep`, s; `largest_surviving_turn`, the turn in such a step
+    at the fastest rate, rad; and `all_tried_survived`. If `survival` is None, that timestep is not
+    known, and all values are None.
     """
     return {
         "largest_surviving_timestep": survival.timestep if survival else None,
@@ -196,15 +205,26 @@ def _survival_record(survival: Survival | None) -> dict[str, Any]:
 
 
 def run_records(results: Results) -> list[dict[str, Any]]:
-    """Return every run of a result file, those of ensembles too, as a JSON object."""
+    """Return a JSON object for every run of a result file, those of ensembles too.
+
+    `row_record` says what such an object has.
+    """
     return [row_record(row) for row in results.every_row]
 
 
 def row_record(row: Row) -> dict[str, Any]:
-    """Return a run as a JSON object; scripts rely on the names of the keys."""
+    """Return a run as a JSON object; scripts rely on the names of the keys.
+
+    It has the fields of `Row` without the motion, one entry for the error in each signal, what is
+    varied in the run (`variation`), and whether it survived.
+    """
     return as_json(row) | {"variation": row.varied, "survived": row.survived}
 
 
 def verdict_record(verdict: Verdict) -> dict[str, Any]:
-    """Return a verdict as a JSON object; scripts rely on the names of the keys."""
+    """Return a verdict as a JSON object; scripts rely on the names of the keys.
+
+    It has the fields of `Verdict`, and its properties `reason`, `tail`, `level`, `order` and
+    `ground` (`MADE`).
+    """
     return as_json(verdict) | {name: getattr(verdict, name) for name in MADE}

@@ -117,7 +117,9 @@ def describe(
 ) -> dict[str, Any]:
     """Return the exact motion of a scene, in SI units, as a dictionary for JSON.
 
-    It has states, their uncertainty and conditioning, drifts, and numbers derived from the scene.
+    Its entries are `scenario`, the scene's name; `method`, `uncertainty`, `conditioning`, `horizon`
+    and `ending` of the `Solution`; `states`, one for each time, with quantities by name; `drifts`,
+    by conserved quantity; `facts`, derived numbers; and, if wanted, `sensitivities`.
 
     Parameters
     ----------
@@ -194,7 +196,7 @@ def _upright(q_world_body_wxyz: FloatArray, uncertainty: float) -> FloatArray:
 
 
 def print_truth(truth: dict[str, Any]) -> None:
-    """Print, as lines and tables, the exact motion that `describe` returns."""
+    """Print, as lines and tables, a scene's exact motion: what `describe` returns."""
     print(f"{truth['scenario']}: {truth['method']}")
     for state in truth["states"]:
         print("\n".join(_state(state)))
@@ -216,8 +218,9 @@ _ERRORS = ("uncertainty", "conditioning")
 
 
 def _state(state: dict[str, Any]) -> Iterator[str]:
-    """Yield a line with the time of a state, and a line for each of its quantities.
+    """Yield a line with the time of a state, and a line for each of its other quantities.
 
+    `state` has them by name: `t`, s, and numbers or lists of numbers, such as `omega_body`.
     Numbers have eight digits, so that four components fit into eighty columns.
     """
     yield f"\nt = {state['t']:.10g} s"

@@ -42,7 +42,10 @@ BEGINS_WITH = ("gravity", "pivot")
 
 
 def _effects() -> str:
-    """Return an example of each effect's TOML table, as comments unless `BEGINS_WITH` has it."""
+    """Return an example of each effect's TOML table, as text for a new scene's file.
+
+    The tables of effects other than those in `BEGINS_WITH` are comments.
+    """
     texts = {e.table: f"{e.heading}\n{e.model.EXAMPLE}" for e in EFFECTS.values()}
     return "".join(
         line if name in BEGINS_WITH else f"# {line}"
@@ -102,7 +105,11 @@ DIGITS = 7
 
 
 def scene_as_json(scenario: Scenario) -> dict[str, Any]:
-    """Return a scene as it was read, in SI units, as a JSON object."""
+    """Return a scene as it was read, in SI units, as a JSON object.
+
+    It has names, body, start and window as single entries, such as `mass` and `omega_body`; the
+    TOML table of each effect by its name; and how many published values and expectations there are.
+    """
     body, start = scenario.body, start_state(scenario)
     return {
         "scene": scenario.name,
@@ -132,7 +139,10 @@ def _table(scenario: Scenario, effect: Effect) -> Any:
 
 
 def scene_rows(scenario: Scenario) -> Iterator[dict[str, str]]:
-    """Yield each value of `scene_as_json` with its unit, as a row of a table for users."""
+    """Yield each value of `scene_as_json` with its unit, as a row of a table for users.
+
+    The headings of the columns are the keys: none for the value's name, "value" and "unit".
+    """
     described = scene_as_json(scenario)
     for effect in scenario.acting:
         described[effect.table] = effect
@@ -157,7 +167,11 @@ def _effect_rows(effect: Effect, table: Any) -> Iterator[dict[str, str]]:
 
 
 def _row(name: str, value: Any, meaning: str) -> dict[str, str]:
-    """Return a row of a scene's table; lists are written as JSON, numbers in `DIGITS` digits."""
+    """Return a row of a scene's table, by the headings of the columns.
+
+    The value is written as JSON unless it is a text, and its numbers have `DIGITS` digits.
+    `meaning` is the value's unit or meaning.
+    """
     shown = value if isinstance(value, str) else json.dumps(_rounded(value), ensure_ascii=False)
     return {"": name, "value": shown, "unit": meaning}
 

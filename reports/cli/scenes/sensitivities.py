@@ -27,8 +27,9 @@ COLUMNS = {
 def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
     """Return the derivatives of a motion at its times (`Sensitivity`) as a dictionary, for JSON.
 
-    Arrays are lists; the entry `rows` tells what their rows mean. A `Complaint` is raised if the
-    derivatives cannot be computed.
+    The entries are the attributes of `Sensitivity`, and each of its parameters, by name. Arrays are
+    lists; the entry `rows` tells what their rows mean. A `Complaint` is raised if the derivatives
+    cannot be computed.
     """
     with as_complaint(IntegrationError, before=f"{scenario.name}: ", exit_code=NOT_RUN):
         found = sensitivity(scenario, motion)
@@ -40,7 +41,7 @@ def derivatives(scenario: Scenario, motion: Trajectory) -> dict[str, Any]:
 
 
 def _listed(record: Any) -> dict[str, Any]:
-    """Return a dictionary with lists in place of arrays."""
+    """Return a copy of a dictionary in which arrays are replaced by lists, as JSON needs them."""
     return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in record.items()}
 
 

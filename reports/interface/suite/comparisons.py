@@ -63,7 +63,11 @@ def moves_as_opened(engine: Engine, method: Method, scene: Scenario, session: Se
 
 
 def apart(first: Session, second: Session) -> float:
-    """Return the largest difference of two sessions' states: attitude in rad, others relative."""
+    """Return the largest difference of the states of two sessions.
+
+    The attitude's is an angle, rad. Those of ω and other vectors are relative to the norm of the
+    second session's vector, or absolute if this is zero.
+    """
     one, other = first.read_state(), second.read_state()
     turn = rotation_vectors(one.q_world_body_wxyz[None], other.q_world_body_wxyz[None])
     pairs = list(zip(vars(one).values(), vars(other).values(), strict=True))[1:]
@@ -125,6 +129,8 @@ def require(
 
     Parameters
     ----------
+    holds : whether it holds
+    engine, method : the engine and method under test, which the message names
     scene : the scene that the condition is about; None if it is not about one scene
     words : what is wrong if the condition does not hold
     """

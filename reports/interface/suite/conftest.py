@@ -34,6 +34,6 @@ def method(spincheck_subject: Any) -> Method:
 
 @pytest.fixture
 def engine(spincheck_subject: Any, method: Method) -> Engine:  # noqa: ARG001
-    """The engine that is tested."""
+    """The engine that is tested; `method` is asked for so that recorded motions are skipped."""
     engine: Engine = spincheck_subject.engine
     return engine

@@ -87,7 +87,7 @@ _OfKey = tuple[SceneRuns, MethodRuns]
 
 
 def _by_key(results: Results) -> dict[Key, _OfKey]:
-    """Return each scene with the runs of one method on it, by scene, engine and method."""
+    """Return pairs of a scene and the runs of one method on it, by scene, engine and method."""
     scenes = report_data(results).scenes
     return {Key(one.name, *runs.pair): (one, runs) for one in scenes for runs in one.methods}
 
@@ -176,7 +176,8 @@ def _expectations(key: Key, old: Verdict | None, new: Verdict | None) -> Iterato
 def _runs(key: Key, old: _OfKey, new: _OfKey) -> Iterator[Change]:
     """Yield changes of outcomes and errors at the timesteps that are in both files.
 
-    Errors are compared if both runs are ok and the scene was solved in both files.
+    Errors are compared if both runs are ok and the scene was solved in both files. `old` and `new`
+    are, from each file, the scene and the runs of one method on it.
     """
     old_rows, new_rows = ({row.timestep: row for row in runs.rows} for _, runs in (old, new))
     for timestep in sorted(old_rows.keys() & new_rows.keys(), reverse=True):
@@ -241,6 +242,7 @@ def _cost(key: Key, old: _OfKey, new: _OfKey, same_machine: bool) -> Iterator[Ch
 
     Parameters
     ----------
+    old, new : from each file, the scene and the runs of one method on it
     same_machine : whether both files come from the same processor; if not, no change of cost is a
         regression
     """

@@ -97,8 +97,9 @@ class Reach:
 def reach(curve: Curve, level: float) -> Reach:
     """Return the timestep and cost with which a method stays within an error, or why it cannot.
 
-    If the coarsest run in `curve.stable` is within the error, its timestep is returned. Otherwise
-    the timestep is interpolated between two runs, or extrapolated below the finest run. For
+    Runs count if they and all finer ones ended `ok` (`curve.stable`). If the coarsest of these is
+    within the error, its timestep is returned. Otherwise the timestep is interpolated between two
+    runs, or extrapolated below the finest run. For
     interpolation, the error is assumed to grow from that of the finer run as Δtᵖ, where p is the
     steeper of the slopes on either side of that run. The timestep is then rather too short than
     too long.
@@ -128,7 +129,8 @@ def reach(curve: Curve, level: float) -> Reach:
 def _first_within(curve: Curve, level: float) -> int | None:
     """Return the index, in `curve.stable`, of the coarsest run whose error is at most `level`.
 
-    The errors of all finer runs must be at most `level`, too, unless rounding explains the excess:
+    `curve.stable` has the runs that ended `ok`, as did all finer ones, from coarse to fine. The
+    errors of all finer runs must be at most `level`, too, unless rounding explains the excess:
     rounding adds more to finer runs. None is returned if there is no such run.
     """
     errors = [point.error for point in curve.stable]
@@ -157,7 +159,10 @@ def _below_finest(curve: Curve, level: float, order: float) -> float:
 
 
 def above_round_off(curve: Curve) -> list[CurvePoint]:
-    """Return the runs in `curve.stable` whose errors rounding alone does not explain."""
+    """Return the runs whose errors are larger than rounding alone explains.
+
+    Only runs count that ended `ok`, as did all finer ones (`curve.stable`).
+    """
     return [point for point in curve.stable if point.error > curve.floor(point.timestep)]
 
 
@@ -201,9 +206,14 @@ def _below_the_ladder(curve: Curve, level: float) -> Reach:
 
 
 def _priced(curve: Curve, level: float, how: How, reason: str, timestep: float) -> Reach:
-    """Return a timestep, s, and its cost as a `Reach` with the word `how`.
+    """Return a timestep and its cost as a `Reach`; "not timed", without both, if steps were not.
 
-    If steps were not timed, the word is "not timed", and timestep and cost are None.
+    Parameters
+    ----------
+    curve : the method's errors, with the CPU time of its steps
+    level : the error that the method stays within, in the unit of the curve's errors
+    how, reason : how timestep and cost are known, in a word and in a sentence
+    timestep : s
     """
     if curve.seconds_per_step is None:
         return Reach(level, "not timed", f"a timestep of {timestep:.3g} s, its steps not timed")

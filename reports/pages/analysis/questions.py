@@ -79,12 +79,12 @@ def _filled(gathered: ReportData) -> Tables:
 
 
 def _names(key: Key) -> tuple[str, str, str]:
-    """Return the names of scene, engine and method of a key."""
+    """Return the names of scene, engine and method that a key has, in this order."""
     return key.scenario, key.engine, key.method
 
 
 def _run(row: Row) -> tuple[Any, ...]:
-    """Return a run as a line of the table ``run``."""
+    """Return a run as a line of the table ``run``, whose columns `RUN` names."""
     return (
         *_names(row.key),
         row.engine_version,
@@ -100,7 +100,7 @@ def _run(row: Row) -> tuple[Any, ...]:
 
 
 def _tried(scene: SceneRuns, runs: MethodRuns, place: int) -> tuple[Any, ...]:
-    """Return a method on a scene as a line of the table ``tried``.
+    """Return a method on a scene as a line of the table ``tried``, whose columns `TRIED` names.
 
     `place` is the method's index in `ReportData.pairs`.
     """

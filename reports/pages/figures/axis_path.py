@@ -99,6 +99,9 @@ def _on_surface(
 def _overlay(kind: str, matrix: FloatArray, **panel: int) -> dict[str, Any]:
     """Return what the page's script needs to draw a curve of a motion's first turns.
 
+    The dictionary has the parameters under their names; a `panel` is missing if it is left out. The
+    entry `exact` names the motion among the page's data: "beginning", the first turns.
+
     Parameters
     ----------
     kind : which curve the script draws, such as "axis"
@@ -246,7 +249,7 @@ def _unrolled_figure(exact: FloatArray, R_upright_world: FloatArray) -> Figure:
 
 
 def _first_turn(azimuth: FloatArray) -> Range:
-    """Return the range of azimuths to show, degrees: at most one turn from the start on."""
+    """Return the range of a path's azimuths, (n,), to show, degrees: at most the first turn."""
     if np.ptp(azimuth) <= ONE_TURN:
         return padded(azimuth)
     onwards = np.sign(azimuth[-1] - azimuth[0]) or 1.0

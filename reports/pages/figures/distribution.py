@@ -67,6 +67,8 @@ def _steps(x: FloatArray, y: FloatArray, label: str, style: TraceStyle, said: st
     Parameters
     ----------
     x, y : abscissas at which the curve rises, and the heights that it rises to, (n,) each
+    label : engine and method, whose curve it is
+    style : how the curve is drawn
     said : text that the page shows where a reader points at the curve
     """
     drawn = method_style(label, style)

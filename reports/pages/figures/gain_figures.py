@@ -78,10 +78,11 @@ def _figure(scene: SceneRuns, quantity: Quantity) -> Figure:
 
 
 def _band(runs: MethodRuns, curve: GainCurve, low: float) -> Trace:
-    """Return the band in which gains are predicted to be, as a filled area.
+    """Return the band in which a method's gains are predicted to be, as a filled area.
 
     Parameters
     ----------
+    curve : the gains and their predictions, at each timestep
     low : the least gain that is drawn
     """
     timesteps, predicted, known_to = (
@@ -109,6 +110,7 @@ def _gains(runs: MethodRuns, curve: GainCurve, low: float) -> Iterator[Trace]:
 
     Parameters
     ----------
+    curve : the gains and their predictions, at each timestep
     low : the least gain that is drawn
     """
     timesteps, gains = np.array(curve.timesteps), np.array(curve.gains)

@@ -72,7 +72,7 @@ def work_precision(scene: SceneRuns) -> list[Figure]:
 
 
 def _with(figure: Figure, below: list[Trace], above: list[Trace]) -> Figure:
-    """Return a figure with further curves, some drawn behind its own curves and some over them."""
+    """Return a figure with further curves: `below` behind its own curves, and `above` over them."""
     return figure | {"data": [*below, *figure["data"], *above]}
 
 
@@ -117,7 +117,10 @@ def _against(scene: SceneRuns, abscissa: Abscissa, x_title: str) -> Iterator[tup
 
 
 def _strip(x_title: str, x_range: Range) -> Panel:
-    """Return the panel for runs without errors, which is below the panel of errors."""
+    """Return the panel for runs without errors, which is below the panel of errors.
+
+    `x_title` and `x_range` are title and range of its horizontal axis.
+    """
     heading = "Ended without an error to compare"
     return Panel(x_title, "", heading, True, (0.0, 1.0), x_range, domain=STRIP)
 
@@ -130,7 +133,8 @@ def _finished(runs: MethodRuns) -> list[Row]:
 def _ended(scene: SceneRuns, abscissa: Abscissa) -> Iterator[Trace]:
     """Yield markers for the runs that diverged or failed; each method has its own height.
 
-    `abscissa` is as in `_against`.
+    `abscissa` returns what a run's error is drawn against, such as its timestep; runs for which it
+    returns None are left out.
     """
     for k, runs in enumerate(scene.methods):
         height = 1 - (k + 0.5) / len(scene.methods)
@@ -177,7 +181,8 @@ def _curves(
 ) -> Iterator[Trace]:
     """Yield a line through the errors of a method's runs, and rings at its stock timesteps.
 
-    Runs without errors, or for which `abscissa` (see `_against`) returns None, are left out.
+    `abscissa` returns what a run's error is drawn against, such as its timestep. Runs without
+    errors, or for which it returns None, are left out.
     """
     rows = [row for row in _finished(runs) if abscissa(row) is not None]
     stock = [row for row in rows if row.stock]
@@ -197,15 +202,15 @@ def _curves(
 
 
 def _places(rows: Sequence[Row], abscissa: Abscissa) -> FloatArray:
-    """Return the abscissas of n runs, each of which must have one, (n,)."""
+    """Return the abscissas of n runs, (n,); `abscissa` must return a number for each of them."""
     return np.array([abscissa(row) for row in rows], dtype=float)
 
 
 def _claimed(scene: SceneRuns, rows: Sequence[Row], signal: Signal) -> FloatArray:
-    """Return the errors of runs in a signal as they are drawn, in the figure's unit, (n,).
+    """Return the errors in a signal of those n runs that have errors, as they are drawn, (n,).
 
-    Errors below the reference's uncertainty are raised to it, and infinite ones are NaN. Runs
-    without errors are left out.
+    They are in the figure's unit. Errors below the reference's uncertainty are raised to it, and
+    infinite ones are NaN.
     """
     errors = [
         max(row.errors[signal.name], scene.uncertainty(row)[signal.name])
@@ -228,7 +233,10 @@ def _hover(runs: MethodRuns, row: Row) -> str:
 
 
 def _x_range(scene: SceneRuns, abscissa: Abscissa) -> Range:
-    """Return the range of the abscissa over all runs that are drawn."""
+    """Return the range of abscissas over all runs that are drawn, with a margin on both sides.
+
+    `abscissa` returns that of a run; None if it has none.
+    """
     values = [
         x
         for runs in scene.methods

@@ -75,6 +75,7 @@ def drawing(
     Parameters
     ----------
     traces : curves and points, in Plotly's format
+    panels : the pairs of axes, in the order in which traces and overlays count them
     height : height of the figure, pixels
     overlays : descriptions of curves that the page's script adds, from the motions that the page
         carries
@@ -162,7 +163,7 @@ def method_style(label: str, style: TraceStyle) -> dict[str, Any]:
 
 
 def start_dot(x: float, y: float, k: int) -> Trace:
-    """Return a dot that marks the start of a motion, in the k-th panel, counted from 1."""
+    """Return a dot at (x, y) that marks a motion's start, in the k-th panel, counted from 1."""
     marker = {"color": INK, "size": 8}
     return line(np.array([x]), np.array([y]), k, mode="markers", marker=marker, hoverinfo="skip")
 

@@ -115,7 +115,8 @@ def _by_each_default(gathered: ReportData, one: Usual) -> str:
     """Return, in words, which defaults alter the motion by themselves, and on how many scenes.
 
     Only scenes on which the method disagrees are counted. The text is empty if no default alters
-    the motion there, or if the defaults were not measured one by one.
+    the motion there, or if the defaults were not measured one by one. `one` has the runs of an
+    engine as shipped, whose defaults are meant.
     """
     counted = ask(
         gathered,
@@ -132,10 +133,12 @@ def _acting(gathered: ReportData, one: Usual, wrong: int, harmless: Collection[s
     """Return, in words, what acted though scenes do not call for it, and on how many scenes.
 
     Only scenes on which the method disagrees are counted. What acted on no more than the fraction
-    `COMMON` of them is left out. Names are those by which the engine reports what acts.
+    `COMMON` of them is left out. Names are those by which the engine reports what acts. The text
+    is empty if nothing is left.
 
     Parameters
     ----------
+    one : the runs of an engine as shipped at its stock timestep
     wrong : the number of scenes on which the method disagrees
     harmless : names of what changes no motion, which are left out
     """

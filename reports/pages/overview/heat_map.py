@@ -153,7 +153,11 @@ def _label(pair: Pair, shipped: list[Pair]) -> str:
 
 
 def _scene(scene: SceneRuns) -> dict[str, Any]:
-    """Return the page's data about a scene, without its runs."""
+    """Return the page's data about a scene, without its runs.
+
+    They are its `name`, `title` and `tags`, the URL of its `page`, its `kind`, which is one of
+    `GROUPS`, and whether it is `hard`.
+    """
     scenario = scene.solved.scenario if scene.solved else None
     return {
         "name": scene.name,
@@ -168,7 +172,8 @@ def _scene(scene: SceneRuns) -> dict[str, Any]:
 def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float) -> dict[str, Any] | None:
     """Return the page's data about a method on a scene; None if it was not tried.
 
-    `stock` is the stock timestep of the engine, s.
+    They are the word of the `verdict`, empty if there is none, and `runs`: by each of `AT`, what
+    `_run` returns of that run, or None. `stock` is the stock timestep of the engine, s.
     """
     if runs is None:
         return None
@@ -180,7 +185,12 @@ def _cell(scene: SceneRuns, runs: MethodRuns | None, stock: float) -> dict[str, 
 
 
 def _run(scene: SceneRuns, row: Row) -> dict[str, Any]:
-    """Return the page's data about a run: its errors, or how it ended if it has none."""
+    """Return the page's data about a run: its errors, or how it ended if it has none.
+
+    They are `timestep`, s, `cost`, CPU seconds a simulated second, and `errors` by signal; or, for
+    a run without errors, `timestep`, `outcome`, `when` it ended, s, and `why`. An error up to the
+    reference's uncertainty is given as minus the uncertainty.
+    """
     if row.errors is None:
         return {
             "timestep": row.timestep,
@@ -200,7 +210,9 @@ def _best(scene: SceneRuns, best: BestChoice, steps: dict[str, float]) -> dict[s
     """Return the page's data about a best choice, with its cost relative to a run as shipped.
 
     That run is by the same engine at its stock timestep. If there is none, it is by the first
-    engine that has such a run.
+    engine that has such a run. Its engine is the entry `default`, and the relative cost `price`,
+    None if one of the two runs was not timed. `run` is what `_run` returns, and `within` says
+    whether the errors are within `BOUNDS`; `label`, `engine`, `anchor` and `timestep` are texts.
 
     Parameters
     ----------

@@ -85,7 +85,7 @@ def group_of(scene: SceneRuns) -> str:
 
 
 def methods_table(gathered: ReportData) -> Table:
-    """Return a table of the methods, with the number of each verdict over all scenes."""
+    """Return a table of the methods, with the number of scenes on which each has each verdict."""
     declared = {runs.pair: runs.declared for scene in gathered.scenes for runs in scene.methods}
     versions: dict[Pair, list[str]] = {}
     for *pair, version in ask(
@@ -151,7 +151,7 @@ def _declared_orders(declared: Method | None) -> str:
 
 
 def _complaint(scene: SceneRuns, runs: MethodRuns, verdict: Verdict) -> dict[str, Cell | str]:
-    """Return a row of a table with a verdict and its reason."""
+    """Return a table row, by headings: scene, engine, method, verdict, and the verdict's reason."""
     page = scene_page(scene.name)
     link = f"{page}#{method_anchor(runs.engine, runs.method)}"
     unmet = "expectation unmet" if verdict.unmet else ""

@@ -20,7 +20,8 @@ from ..tables import Cell, figure, scene_page, table
 def spread(results: Results) -> dict[str, Any] | None:
     """Return the distributions of errors at stock timesteps; None if there are none.
 
-    Each kind of motion that an ensemble was run on has a distribution, as a figure and a table.
+    The dictionary has a `heading`, a `text` on what is shown, and `kinds`: for each kind of motion
+    that an ensemble was run on, what `_of_kind` returns, and the names and pages of its `scenes`.
     """
     ensembles = [one for one in results.ensembles if one.points and one.ensemble.timestep is None]
     declared = _declared([point for one in ensembles for point in one.points], results)
@@ -65,7 +66,8 @@ def _of_kind(
 ) -> dict[str, Any] | None:
     """Return the figure and table for one kind of motion; None if no error exceeds 0.
 
-    They show the best method as shipped and the best clean method of each engine.
+    They show the best method as shipped and the best clean method of each engine. The entries are
+    `kind`, the number of `members` as text, `table`, `figure`, and `styles`, one for each row.
 
     Parameters
     ----------

@@ -14,9 +14,9 @@ NOTICED, NEGLIGIBLE = 1.5, 1e-6
 
 
 def default_tables(scene: SceneRuns) -> list[Captioned]:
-    """Return a table for each engine that was run with each of its defaults switched on alone.
+    """Return a table of errors for each method as shipped whose defaults were tried one by one.
 
-    A table shows the errors with each default alone, and with all others.
+    A row shows the errors with one default alone, and those with all others.
     """
     return [
         Captioned(

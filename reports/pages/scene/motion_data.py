@@ -51,7 +51,10 @@ DECADES_STEP, LOWEST_DECADE = 0.01, -20.0
 def motion_data(scene: SceneRuns) -> dict[str, Any] | None:
     """Return the data from which the page's script draws a scene's motions.
 
-    None is returned if the scene could not be solved.
+    They are the `body`; the end of the exact motion, s, as `duration`; its largest ‖ω‖, rad/s, as
+    `fastest`; the `noticeable` attitude error, degrees; the `exact` motion, and for a long one its
+    `beginning` with more samples a turn; the `runs`, and the index of the one played `first`. None
+    is returned if the scene could not be solved.
     """
     solved = scene.solved
     if solved is None:
@@ -100,7 +103,11 @@ def run_name(row: Row) -> str:
 
 
 def _body(solved: SceneResult) -> dict[str, Any]:
-    """Return the body, its axis and its inertia for the page's script."""
+    """Return the body for the page's script: the attributes of `DrawnBody`, com, inertia, rotors.
+
+    `com` is in body axes, m, and zero without a `pivot`; `inertia` is that of the `Scenario`; and
+    `kept` is the rotors' constant angular momentum at t = 0, body axes, kg m²/s.
+    """
     scenario, drawn = solved.scenario, drawn_body(solved)
     return {
         "shape": drawn.shape,
@@ -119,7 +126,9 @@ def _body(solved: SceneResult) -> dict[str, Any]:
 def _run(run: Compared, scene: SceneRuns, fastest: float) -> dict[str, Any]:
     """Return a run's motion and errors for the page's script.
 
-    The motion is left out if the run is `ok` and its attitude errors are at most `INVISIBLE`.
+    They are names and style; how and when the run ended; when it was `noticed` to be wrong; and, at
+    the samples that the page carries, times, errors and defects as `Differences`. The motion is
+    left out if the run is `ok` and its attitude errors are at most `INVISIBLE`.
 
     Parameters
     ----------
@@ -198,7 +207,10 @@ def _samples_for(scene: SceneRuns, most: int, a_turn: int) -> int:
 
 
 def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:
-    """Return the exact motion for the page's script; `fastest` is its largest ‖ω‖, rad/s."""
+    """Return the exact motion for the page's script; `fastest` is its largest ‖ω‖, rad/s.
+
+    The entries are `q`, `omega_body` (see `_states`) and the times `t`, s, as `Differences`.
+    """
     samples = np.arange(len(motion.t))
     states = _states(motion, samples, EXACT_STEP, EXACT_OMEGA_STEP * fastest)
     # The times are evenly spread, so that their differences take almost no space.
@@ -208,7 +220,9 @@ def _exact_states(motion: Trajectory, fastest: float) -> dict[str, Any]:
 def _states(
     motion: Trajectory, kept: NDArray[np.intp], step: float, omega_step: float
 ) -> dict[str, Any]:
-    """Return the components of attitude and of ω, body axes, each as `Differences`.
+    """Return the components of attitude, `q`, w x y z, and of ω, `omega_body`, rad/s, body axes.
+
+    Each component is a `Differences` of m numbers.
 
     Parameters
     ----------

@@ -144,7 +144,10 @@ def _sentence(scene: SceneRuns, best: BestChoice | None) -> str:
 
 
 def _run_in_words(scene: SceneRuns, label: str, row: Row) -> str:
-    """Return a sentence with a run's attitude error; if it has none, how the run ended."""
+    """Return a sentence with a run's attitude error; if it has none, how the run ended.
+
+    `label` is the run's engine and method.
+    """
     run = f"{_capital(label)} at {duration(row.timestep)}"
     if row.errors is not None:
         return f"{run} is off by {attitude_in_degrees(scene, row)}° at worst."
@@ -172,7 +175,9 @@ def _price(best: BestChoice, defaults: Sequence[tuple[MethodRuns, Row]]) -> str:
 def _use(scene: SceneRuns, choice: BestChoice) -> dict[str, Any]:
     """Return a best choice for the page: a summary, what users write, and a command to check it.
 
-    If the adapter does not state what users write, there is a command that writes a script instead.
+    The entries are `summary`, `setup` and `command`; `facts`, pairs of name and value; and
+    `within`, whether the errors are within `BOUNDS`. If the adapter does not state what users
+    write, `setup` is a command that writes a script.
     """
     off, key = attitude_in_degrees(scene, choice.row), choice.row.key
     options = [scene.name, "--engine", key.engine, "--method", key.method]

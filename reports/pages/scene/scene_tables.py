@@ -70,7 +70,7 @@ def facts_table(solved: SceneResult) -> Table:
 
 
 def verdict_table(scene: SceneRuns) -> Table:
-    """Return a table of the verdicts on all methods; each row has an anchor for links."""
+    """Return a table of the verdicts on a scene's methods; each row has an anchor for links."""
     made = records(_verdict_row(scene, runs) for runs in scene.methods)
     anchors = tuple(method_anchor(runs.engine, runs.method) for runs in scene.methods)
     return Table(made.headings, made.rows, anchors)
@@ -149,7 +149,7 @@ def drifts_table(scene: SceneRuns) -> Table | None:
 
 
 def runs_tables(scene: SceneRuns) -> list[Captioned]:
-    """Return a table for each method, with a row for each run."""
+    """Return a table for each method, which has the errors and the cost of each run in a row."""
     headings = (
         "timestep, s",
         "steps",
@@ -175,7 +175,10 @@ def printed(scene: SceneRuns) -> list[tuple[str, str]]:
 
 
 def _verdict_row(scene: SceneRuns, runs: MethodRuns) -> dict[str, Cell | str]:
-    """Return a method's verdict as a row of the table of verdicts."""
+    """Return a method's verdict, its numbers and reason as a table row, by the columns' headings.
+
+    If there is no verdict yet, the row says so.
+    """
     verdict = runs.verdict
     if verdict is None:
         return {
@@ -224,7 +227,7 @@ def _components(values: FloatArray) -> str:
 
 
 def _run_row(scene: SceneRuns, row: Row) -> list[Cell | str]:
-    """Return a run as a row of its method's table of runs."""
+    """Return a run as a table row: timestep, steps, errors, largest drift, cost, and outcome."""
     errors = [NOTHING] * len(scene.signals)
     if row.errors is not None:
         names = [signal.name for signal in scene.signals]
