@@ -79,7 +79,7 @@ class WorldSession(Session):
         return {name: any(damping)}
 
     def gravity_by(self, vector: FloatArray) -> dict[str, bool]:
-        """Return a dict with one entry: a name of a world's gravity, and whether it is not zero.
+        """Return the audit's entry for gravity: its name, and whether it is not zero.
 
         The name is "gravity" if the gravity is that of the scene, else it states the vector.
 

@@ -192,7 +192,7 @@ class Jacobi:
 
 
 def jacobi(lattice: Lattice) -> Jacobi:
-    """Return the Jacobi functions of a lattice, scaled so that sn'(0) = cn(0) = dn(0) = 1."""
+    """Return the standard Jacobi functions sn, cn and dn whose periods are those of a lattice."""
     below = theta(4, lattice)
     at_zero = below.value_and_slope(mpf(0))[0].real
     first, second, third = (theta(n, lattice) for n in (1, 2, 3))

@@ -75,10 +75,11 @@ def lagrange(problem: Problem) -> ClosedForm:
 
 
 def _frames(problem: Problem, triad: tuple[Vector, Vector, Vector]) -> Frames:
-    """Return the rotations from the two frames that the Cayley–Klein parameters A and B relate.
+    """Return the two frames that the Cayley–Klein parameters A and B relate, as rotations.
 
-    One frame is fixed in the world, with z upward. The other is fixed in the top; its axes are
-    `triad`, in principal components.
+    One frame is fixed in the world, with z upward; its rotation takes its axes to those of the
+    world. The other is fixed in the top, with the axes `triad`, in principal components; its
+    rotation takes its axes to the principal axes.
     """
     up_world = scaled(problem.gravity_world, -1 / norm(problem.gravity_world))
     return Frames(conjugate(_upright(up_world)), from_matrix(triad), triad)

@@ -72,7 +72,7 @@ class Scene(Protocol):
 
     @property
     def rotors(self) -> Rotors:
-        """The parts of the body that turn in it."""
+        """All rotors of the scene's body, the parts that turn in it; often none."""
 
     def kept(self, omega_body: FloatArray, spins: FloatArray) -> FloatArray:
         """Return each rotor's constant angular momentum about its axle, kg m²/s, (n, rotors).

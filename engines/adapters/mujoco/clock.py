@@ -31,9 +31,10 @@ SHIPPED = _hung.value
 
 
 def hang(clock: int | None) -> None:
-    """Set the clock that MuJoCo's library reads from now on.
+    """Set the clock with which MuJoCo's library times its steps from now on, `mjcb_time`.
 
-    `clock` is the address of a function; None for no clock.
+    `clock` is the address of a C function without arguments that returns a time as a double; with
+    None nothing is timed.
     """
     _hung.value = clock
 

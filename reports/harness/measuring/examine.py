@@ -328,9 +328,9 @@ class _Examination:
         return Look(equations, steps, gains, noise, settle, is_single, split, apart)
 
     def _states(self, repeats: int, *, is_changed: bool = False) -> State:
-        """Return the K states from which steps are taken, each repeated R times, R K in all.
+        """Return the K states from which steps are taken, R times: all K, then all K again, (R K).
 
-        They are changed a little at random if R > 1 or `is_changed`.
+        If R > 1 or `is_changed`, each is changed a little, by another random change.
 
         Parameters
         ----------

@@ -108,7 +108,7 @@ def fitted(
     may_split: bool = True,
     is_pooled: bool = True,
 ) -> GainSeries:
-    """Fit the model to the gains of steps in one quantity.
+    """Fit power series in the timestep to the gains of steps in one quantity.
 
     If the tail of a fit by one series is below the level, two series are tried, for a method that
     computes short steps by another formula than long steps. Each of the two must vanish with the
@@ -124,12 +124,12 @@ def fitted(
     gains : gains of the steps from K states, in any unit, (J, K, 3)
     noise : standard deviation of each component of a gain, (J, K)
     level : the significance level; a tail below it is a fault
-    turns : the angle by which each step turns the body, or the angle's rank, (J, K); None if it is
-        not known
+    turns : the angle by which each step turns the body, or the angle's rank, (J, K), as a change
+        point may be an angle; if it is None, change points are timesteps
     changes_elsewhere : change points, as in `GainSeries.changes`, that other quantities of the same
         steps show, (K,) each; they are tried first
     may_split : whether two series are tried
-    is_pooled : whether the limits of the states are independent, so that they are tested together
+    is_pooled : whether the limits of all states are tested together, too, as independent ones
     """
     measured = Measured.of(timesteps, gains, noise, turns)
     fit = _likeliest(lambda order: Regression.of(measured, order))

@@ -178,11 +178,12 @@ class Log(Data):
         """Return the χ² of attitude and of ω for each of M sets of residuals of n samples, (M, 2).
 
         If ω was not recorded, only that of attitude is returned, (M, 1). To each χ² that of
-        deviations of size `FITS` is added, so that rounding is not taken for noise.
+        deviations of `FITS`, rad and relative to ‖ω‖, is added, so that rounding is not taken for noise.
 
         Parameters
         ----------
-        standardised : the residuals, in standard deviations of noise, (M, 6 n) or (M, 3 n)
+        standardised : the residuals, in standard deviations of noise, sample by sample: three of
+            attitude and, if it was recorded, three of ω, (M, 6 n) or (M, 3 n)
         """
         of_vectors = standardised.reshape(len(standardised), len(self.t), -1, 3)
         squares = np.sum(of_vectors**2, axis=(1, 3))

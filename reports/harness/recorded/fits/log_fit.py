@@ -27,6 +27,7 @@ from ...explaining.effect_changes import (
 from ...explaining.fit import Fit, Trial
 from ...explaining.hypothesis import Change, Hypothesis
 from ...explaining.search import LEFT, SIGNIFICANCE
+from ..samples.alternation import SHARED
 from ..samples.sensors import CROSS_AXIS, OF_LOGS, READINGS
 from .log import Log
 from .motion_changes import TIMES, changes_of_motion
@@ -45,9 +46,6 @@ from .stepwise import Stepwise
 MOST_CHANGES, MOST_PARAMETERS = 4, 3
 #: Largest time by which all states may be late: the body turns by this angle in it, rad.
 LATEST = 30.0
-#: Noise is estimated from fourth differences, and neighbouring ones share noise. So their degrees
-#: of freedom are fewer than the differences, by the factor Σ (8 over 4+k)² / (8 over 4)².
-SHARED = 2.63
 
 #: The change of the first state: a rotation vector, rad, and a difference of ω, rad/s, body axes.
 START = Change("start", lambda h, n: h.of(start=h.start + n), np.ones(6))

@@ -20,6 +20,9 @@ FEWEST = 12
 #: it is Σ (4 over k)². At a lag of two samples only the first difference is between neighbours:
 #: the operator is (1 − B)(1 − B²)³, with the shift B by a sample.
 OF_DIFFERENCES = {1: 70.0, 2: 40.0}
+#: Neighbouring fourth differences share noise, so that their degrees of freedom are fewer than the
+#: differences, by the factor Σ (8 over 4+k)² / (8 over 4)².
+SHARED = 2.63
 #: Least ratio of fourth to third differences of errors that alternate. For noise it is √3.5 at a
 #: lag of one sample and √(10/3) at two. For smooth errors it is less than the angle by which the
 #: body turns between the samples, which is less than 2 `NEAR`.
@@ -129,7 +132,11 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     throughout = np.median(fourth, axis=0) > LEFT * np.mean(fourth, axis=0)
     units = np.array([1.0, fastest or 1.0])
     variances = _variances_of_differences(scenario, motion, units[1])
-    noise = units * np.sqrt(nnls(variances, (every[1] / units) ** 2)[0])
+    seen = (every[1] / units) ** 2
+    # Noise in one quantity that hides in what noise in the other one makes may be as large as the
+    # standard error of the differences' mean square.
+    hidden = np.sqrt(2 * SHARED / (3 * len(fourth))) * seen / np.diag(variances)
+    noise = units * np.sqrt(np.maximum(nnls(variances, seen)[0], hidden))
     return Alternation(every, every_second, throughout, noise, least)
 
 

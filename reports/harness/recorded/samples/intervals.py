@@ -68,7 +68,10 @@ class Intervals(Data):
 
     @cached_property
     def fastest(self) -> float:
-        """The largest ‖ω‖ up to which hypotheses are followed, rad/s; beyond it states are nan."""
+        """The largest ‖ω‖, rad/s, up to which motions by a hypothesis' equations are integrated.
+
+        States beyond it are nan.
+        """
         speeds = norms(np.vstack([self.starts, self.ends])[:, 4:])
         return FASTER * max(float(speeds.max()), float(self.base.rate))
 
@@ -143,6 +146,8 @@ class Intervals(Data):
 
 def root_mean_squares(differences: FloatArray) -> FloatArray:
     """Return the root mean squares of differences of attitude, rad, and of ω, rad/s, (2,).
+
+    Means are over all intervals and components.
 
     Parameters
     ----------
