@@ -330,7 +330,7 @@ class _Examination:
     def _states(self, repeats: int, *, is_changed: bool = False) -> State:
         """Return the K states from which steps are taken, R times: all K, then all K again, (R K).
 
-        If R > 1 or `is_changed`, each is changed a little, by another random change.
+        If R > 1 or `is_changed`, each repeat of all states is changed a little, by a random change.
 
         Parameters
         ----------

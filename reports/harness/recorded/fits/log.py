@@ -178,7 +178,8 @@ class Log(Data):
         """Return the χ² of attitude and of ω for each of M sets of residuals of n samples, (M, 2).
 
         If ω was not recorded, only that of attitude is returned, (M, 1). To each χ² that of
-        deviations of `FITS`, rad and relative to ‖ω‖, is added, so that rounding is not taken for noise.
+        deviations of `FITS`, rad and relative to ‖ω‖, is added, so that rounding is not taken for
+        noise.
 
         Parameters
         ----------
