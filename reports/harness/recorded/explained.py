@@ -22,7 +22,7 @@ from .findings import Finding, finding, parts_of
 from .fits.log import log_of
 from .fits.measured import Measured
 from .fits.motion_changes import sentences
-from .fits.other_physics import Physics
+from .fits.other_physics import MOST_PARAMETERS, Physics
 from .fits.read_attitude import attitude_read
 from .fits.read_omega import OMEGA, omega_read
 from .fits.since import CHANGED, since_exactly, since_left_out, since_when
@@ -315,22 +315,24 @@ def _of_attitudes(case: Case) -> list[str]:
     """Return sentences on other equations that the attitudes obey, and on how ω was misrecorded.
 
     The list is empty if no such equations are found, or if the wrong ω cannot be explained beside
-    them. It is empty, too, if the case is only a trial, if ω was not recorded, if the motion is
-    within a method's error, which so many parameters may imitate, or if other equations explain
-    attitude and ω together, but for noise or a method's errors.
+    them. It is empty, too, if the case is only a trial, if ω was not recorded, or if other
+    equations explain attitude and ω together, but for noise or a method's errors. Within a method's
+    error, equations with more than `MOST_PARAMETERS` parameters count for nothing.
     """
     physics = case.physics
     found = physics.found or physics.by_change
     remainder = physics.after(found) if found else None
     if (
         case.is_trial
-        or not (case.has_omega and physics.is_beyond)
+        or not case.has_omega
         or (remainder and (remainder.made_by or remainder.is_of_method))
     ):
         return []
     left = case.read(case.reading._replace(omega=None))
     fit = left.physics.by_change if left and left.physics.is_of_equations else None
     if left is None or fit is None or not left.physics.after(fit).is_of_noise:
+        return []
+    if fit.rank > MOST_PARAMETERS and not physics.is_beyond:
         return []
     read = omega_read(physics.after(fit), is_explained=False)
     return [*sentences(fit), *read] if read and read != [OMEGA] else []

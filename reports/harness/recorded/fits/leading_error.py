@@ -33,6 +33,9 @@ COLOURED = 2
 NODES, SMALL, CARRIED = 3, 1e-3, 1e-4
 #: Largest coefficient of an elementary differential.
 LARGEST = 2.0
+#: Methods are taken to compute with ω along world axes only if their errors leave less than this
+#: fraction of what errors of methods with ω along body axes leave, as a root mean square.
+WORLD = 0.5
 #: Colours of the vertices of rooted trees. A vertex stands for the right-hand sides of both the
 #: attitude's equation and Euler's equations, or of either alone. With a colour from `TERMS` on it
 #: stands for one term of Euler's equations.
@@ -62,20 +65,11 @@ def left_by_methods(
 
     Parameters
     ----------
-    data : the intervals, and in `data.base` the equations that the methods solve
+    data : the S intervals, and in `data.base` the equations that the methods solve
     orders : orders of accuracy of the methods
     timestep : timestep of the methods, s; the time between samples if None
     """
-    residuals, errors = (
-        data.deviations(data.base[None]).ravel(),
-        leading_errors(data, orders, timestep),
-    )
-    columns = (errors / data.scale).reshape(len(errors), -1).T
-    # Columns are scaled to length 1, so that none is too small to count.
-    units = np.linalg.norm(columns, axis=0)
-    columns = columns[:, units > 0] / units[units > 0]
-    best = lsq_linear(columns, residuals, (-LARGEST * units[units > 0], LARGEST * units[units > 0]))
-    return np.asarray(residuals - columns @ best.x)
+    return _fitted(data, orders, timestep)[1]
 
 
 def leading_errors(
@@ -84,14 +78,52 @@ def leading_errors(
     """Return the errors at the ends of S intervals by each elementary differential, (k, S, 6).
 
     They are errors of attitude, rad, and ω, rad/s, that grow from 0 at the start of an interval,
-    by each of the k differentials with a coefficient of one. If ω was computed from attitudes, its
-    errors at the start and at the end of an interval are included.
+    by each of the k differentials with a coefficient of one. The differentials are those of methods
+    that compute with ω along body axes; if those of methods with ω along world axes leave less than
+    the fraction `WORLD` of the deviations that they leave, these are returned. If ω was computed
+    from attitudes, its errors at the start and at the end of an interval are included.
 
     Parameters
     ----------
-    data : the intervals, and in `data.base` the equations that the methods solve
+    data : the S intervals, and in `data.base` the equations that the methods solve
     orders : orders of accuracy of the methods
     timestep : timestep of the methods, s; the time between samples if None
+    """
+    return _fitted(data, orders, timestep)[0]
+
+
+def _fitted(
+    data: Intervals, orders: Sequence[int], timestep: float | None
+) -> tuple[FloatArray, FloatArray]:
+    """Return the errors of `leading_errors`, and the residuals of `left_by_methods`."""
+    of_body, of_world = (
+        _errors(data, orders, timestep, is_world=is_world) for is_world in (False, True)
+    )
+    left, left_in_world = (_left(data, errors) for errors in (of_body, of_world))
+    if np.linalg.norm(left_in_world) < WORLD * np.linalg.norm(left):
+        return of_world, left_in_world
+    return of_body, left
+
+
+def _left(data: Intervals, errors: FloatArray) -> FloatArray:
+    """Return what a fit of methods' errors, (k, S, 6), leaves of the deviations, (6 S,)."""
+    residuals = data.deviations(data.base[None]).ravel()
+    columns = (errors / data.scale).reshape(len(errors), -1).T
+    # Columns are scaled to length 1, so that none is too small to count.
+    units = np.linalg.norm(columns, axis=0)
+    columns = columns[:, units > 0] / units[units > 0]
+    best = lsq_linear(columns, residuals, (-LARGEST * units[units > 0], LARGEST * units[units > 0]))
+    return np.asarray(residuals - columns @ best.x)
+
+
+def _errors(
+    data: Intervals, orders: Sequence[int], timestep: float | None, *, is_world: bool
+) -> FloatArray:
+    """Return the errors of `leading_errors` of methods with given variables, (k, S, 6).
+
+    Parameters
+    ----------
+    is_world : whether the methods compute with ω along world axes, and not along body axes
     """
     steps = np.minimum(timestep or np.inf, data.spans)
     equations = data.base
@@ -100,10 +132,9 @@ def leading_errors(
     terms = _terms(equations)
     # In units in which `rate` is 1, the error is a power of the timestep. It is divided by
     # `CARRIED`, by which differentials are multiplied before the flow carries them along.
-    every, sizes = list[tuple[bool, Tree]](), []
+    every, sizes = list[Tree](), []
     for order in orders:
-        more = [(False, tree) for tree in trees(order + 1, _colours(order, len(terms)))]
-        more += [(True, tree) for tree in trees(order + 1, [BOTH])]
+        more = trees(order + 1, _colours(order, len(terms)))
         every += more
         sizes += len(more) * [(rate * steps) ** order / CARRIED]
     errors = np.zeros((len(every), *data.scale.shape))
@@ -114,7 +145,7 @@ def leading_errors(
         remaining = (1 - part) * data.spans
         ends = follow(equations, here, remaining)[:, 0]
         differentials = _Differentials(coloured, here, rate)
-        for error, (is_world, tree), size in zip(errors, every, sizes, strict=True):
+        for error, tree, size in zip(errors, every, sizes, strict=True):
             moved = here + CARRIED * units * differentials.of(tree, is_world=is_world)
             moved[:, :4] /= norms(moved[:, :4])[:, None]
             carried = apart(ends, follow(equations, moved, remaining)[:, 0])
@@ -124,7 +155,7 @@ def leading_errors(
     if data.is_derived:
         ends = follow(equations, data.starts, data.spans)[:, 0]
         both = [_Differentials(coloured, states, rate) for states in (data.starts, ends)]
-        for error, (is_world, tree), size in zip(errors, every, sizes, strict=True):
+        for error, tree, size in zip(errors, every, sizes, strict=True):
             began, ended = (
                 CARRIED
                 * rate

@@ -106,7 +106,8 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     """Return the part of a motion's errors that alternates from sample to sample.
 
     Only the longest part of the motion is used in which the body turns by less than `NEAR` from
-    sample to sample. None is returned if it has too few samples.
+    sample to sample. None is returned if it has too few samples, or if its flow leaves the range
+    of doubles.
 
     Parameters
     ----------
@@ -120,7 +121,8 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     near = max(runs(is_near[1:]), key=lambda run: run[1] - run[0], default=(0, 0))
     if near[1] + 1 - near[0] < FEWEST:
         return None
-    motion, fastest = motion.at(np.arange(near[0], near[1] + 1)), float(speeds.max())
+    motion = motion.at(np.arange(near[0], near[1] + 1))
+    fastest = float(norms(motion.omega_body).max())
     # These deviations are already differences of the noise of two samples.
     deviations = deviations_from_flow(scenario, motion)
     least = np.maximum(PRINTED * floor, LEAST * np.array([1.0, fastest]))
@@ -132,6 +134,8 @@ def alternation(scenario: Scenario, motion: Trajectory, floor: FloatArray) -> Al
     throughout = np.median(fourth, axis=0) > LEFT * np.mean(fourth, axis=0)
     units = np.array([1.0, fastest or 1.0])
     variances = _variances_of_differences(scenario, motion, units[1])
+    if not (np.isfinite(variances).all() and np.isfinite(every).all()):
+        return None
     seen = (every[1] / units) ** 2
     # Noise in one quantity that hides in what noise in the other one makes may be as large as the
     # standard error of the differences' mean square.

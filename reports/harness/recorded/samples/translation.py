@@ -130,9 +130,9 @@ def _added_acceleration(
 ) -> float:
     """Return the largest acceleration of the com, m/s², that a method or rounding may add.
 
-    On a table engines step the body's tip, which accelerates as the body turns even if the com
-    rests. A method of order 1 takes this acceleration at a time that is wrong by one step at most.
-    Forces between rotors and body cancel, but for their rounding.
+    On a table engines step the body's tip. By a method's error of ω the tip swings about the com,
+    and a method of order 1 takes the acceleration of this swing at a time that is wrong by one step
+    at most. Forces between rotors and body cancel, but for their rounding.
 
     Parameters
     ----------
@@ -144,9 +144,9 @@ def _added_acceleration(
         force, _ = scenario.cancelling(np.abs(exact.spins))
         added = ULPS * float(np.finfo(float).eps * force.max()) / scenario.body.mass
     if not (scenario.constraint.is_pivot or scenario.constraint.is_free):
-        omega = motion.omega_body
-        swing = cross(omega, np.broadcast_to(scenario.constraint.lever, omega.shape))
-        added += _largest(swing) * _largest(omega) ** 2 * h
+        off = motion.omega_body - exact.omega_body
+        swing = cross(off, np.broadcast_to(scenario.constraint.lever, off.shape))
+        added += _largest(swing) * _largest(exact.omega_body) ** 2 * h
     return added
 
 
