@@ -1,12 +1,16 @@
 """Noise that is not stated is estimated from what alternates between samples."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from honest_library import NOISES, noisy
 from library_scenes import library_scene
+from planted_motions import case, exactly, rates_of
 from spincheck.reference import solve
+from spincheck.reports.harness.recorded.files.recording import Recording
+from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.samples.alternation import alternation
 
 
@@ -41,3 +45,22 @@ def test_a_nutation_that_samples_do_not_resolve_is_no_noise() -> None:
     scenario = library_scene("gyroscope-on-glass")
     exact = solve(scenario, scenario.times).trajectory
     assert alternation(scenario, exact, np.zeros(2)) is None
+
+
+def test_exact_attitudes_beside_a_noisy_gyroscope_are_no_other_motion() -> None:
+    """What noise of ω makes of fourth differences of the attitude hides how small its own is."""
+    one = case(801, is_pivoted=True, duration=4.0, samples=201)
+    arrays = exactly(one, rates_of(one))
+    noise = np.random.default_rng(7).normal(0, 1e-3, arrays["omega"].shape)
+    recording = Recording(Path("motion.csv"), arrays | {"omega": arrays["omega"] + noise}, {})
+    found = judged_motion(one.scenario, recording)
+    assert found.explained_by == ()
+    assert not found.is_beyond
+
+
+@pytest.mark.parametrize(("at", "outlier"), [(50, 1e9), (0, 1e8)])
+def test_an_absurd_sample_is_judged(at: int, outlier: float) -> None:
+    scenario = library_scene("fast-top")
+    one = noisy(scenario, 1e-3, is_stated=False)
+    one.arrays["omega"][at] = outlier
+    assert one.judged().verdict

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hidden import changed
-from planted_motions import Case, case, exactly, rates_of
+from planted_motions import Case, case, exactly, rates_of, stepped
 from reported_faults import Arrays
 from scipy.spatial.transform import Rotation
 from spincheck.reports.harness.explaining.search import LEFT
@@ -147,3 +147,13 @@ def test_a_drag_of_the_other_sign_is_no_error_of_a_method() -> None:
     arrays = exactly(one, rates_of(one, torque=lambda omega: 0.05 * omega))
     of_omega = left_by_methods(intervals(one, arrays), [1]).reshape(-1, 2, 3)[:, 1]
     assert np.mean(of_omega**2) > 1 - LEFT
+
+
+def test_drag_beside_a_method_of_first_order_is_not_taken_for_its_error() -> None:
+    """As it would be if ω along body axes and along world axes were fitted together."""
+    one = case(701, is_pivoted=True, duration=2.0, samples=101)
+    slowed = rates_of(one, torque=lambda omega: -0.01 * omega)
+    made = stepped(one.scenario, slowed, 1, 0.01, np.random.default_rng(3))
+    recording = Recording(Path("motion.csv"), made, {"timestep": "0.01"})
+    (words,) = judged_motion(one.scenario, recording).explained_by
+    assert words == "it moves as if it were slowed by 0.01 N m s"

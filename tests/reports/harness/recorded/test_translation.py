@@ -200,3 +200,11 @@ def test_an_engine_may_move_a_com_that_rests(name, method, timestep, steps):
     arrays |= {"com": motion.com_world, "velocity": motion.velocity_world}
     arrays |= {"spins": motion.spins} if motion.spins.size else {}
     assert judged(scenario, arrays, timestep).explained_by == ()
+
+
+@pytest.mark.parametrize("timestep", [1e-4, 1e-3])
+def test_a_tilted_table_is_told_of_a_fast_top(timestep):
+    scenario, arrays = exact_of("gliding-top")
+    com = arrays["com"] + [0.085, 0, 0] * arrays["t"][:, None] ** 2
+    (words,) = judged(scenario, arrays | {"com": com}, timestep).explained_by
+    assert words.startswith("the com is not that of the motion")

@@ -72,3 +72,15 @@ def test_a_gyroscope_beside_a_rotor_of_the_other_sign() -> None:
     said = named(judged(WHEEL, motion, 1e-5))
     assert "the rotors' torque ω × h had the other sign" in said[0]
     assert said[1:] == ["the gyroscope's axes read [1.05, 1, 1] times ω"]
+
+
+def test_a_low_pass_filter_beside_drag_is_told_within_a_methods_error() -> None:
+    """Few parameters explain the attitudes exactly, which no method's error does."""
+    one = case(301, samples=201)
+    arrays = exactly(one, rates_of(one, torque=lambda omega: -0.02 * omega))
+    omega = arrays["omega"].copy()
+    for k in range(1, len(omega)):
+        omega[k] = omega[k - 1] + (1 - np.exp(-1 / 3)) * (omega[k] - omega[k - 1])
+    drag, filtered = judged(one.scenario, arrays | {"omega": omega}, None).explained_by
+    assert drag == "it moves as if it were slowed by 0.02 N m s"
+    assert filtered.startswith("ω is filtered, which delays it by 0.0")
