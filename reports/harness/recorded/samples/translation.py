@@ -140,7 +140,7 @@ def _added_acceleration(
     h : the length of a step, s
     """
     added = 0.0
-    if scenario.rotors:
+    if exact.spins.size:
         force, _ = scenario.cancelling(np.abs(exact.spins))
         added = ULPS * float(np.finfo(float).eps * force.max()) / scenario.body.mass
     if not (scenario.constraint.is_pivot or scenario.constraint.is_free):
