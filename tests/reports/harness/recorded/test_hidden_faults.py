@@ -731,8 +731,9 @@ def test_a_hidden_fault_is_named(one: Hidden) -> None:
 
 def test_what_no_change_explains_of_a_measured_motion_is_beyond_its_noise() -> None:
     """Without stated noise, too, though one step from sample to sample may be off by as much."""
-    odd = rates_of(FREE, torque=lambda w: 0.05 * np.sin([5 * w[1], 7 * w[2], 9 * w[0]]))
-    found = judged_motion(FREE.scenario, Recording(Path("motion.csv"), noisy(exactly(FREE, odd))))
+    one = case(324, samples=41)
+    odd = rates_of(one, torque=lambda w: 0.05 * np.sin([5 * w[1], 7 * w[2], 9 * w[0]]))
+    found = judged_motion(one.scenario, Recording(Path("motion.csv"), noisy(exactly(one, odd))))
     assert found.is_another
     assert found.measured is not None
 
