@@ -108,7 +108,7 @@ class MuJoCoSession(CoordinateSession):
     def _stepping(self) -> Iterator[None]:
         """Collect MuJoCo's warnings inside the block, in which MuJoCo may take steps.
 
-        At the start of the block, MuJoCo's clock is set to that of this session, or to none. A
+        At the start of the block, MuJoCo's clock is set to the one in `_clock`, or to none. A
         fatal error of MuJoCo is raised as `EngineError`.
         """
         clock.hang(self._clock)

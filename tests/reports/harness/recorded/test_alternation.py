@@ -13,6 +13,8 @@ from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import judged_motion
 from spincheck.reports.harness.recorded.samples.alternation import alternation
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("name", ["fast-top", "top-in-treacle", "sphere-in-syrup"])
 @pytest.mark.parametrize("size", NOISES)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from honest_library import arrays_of
 from library_scenes import library_scene
 from reported_faults import Arrays, judged
 from spincheck.engines import engines
@@ -196,10 +197,7 @@ def test_an_engine_may_move_a_com_that_rests(name, method, timestep, steps):
     scenario, engine = library_scene(name), engines()["mujoco"]
     samples = np.arange(0, steps + 1, steps // 200)
     motion = engine.run(scenario, engine.method(method), timestep, samples).trajectory
-    arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": motion.omega_body}
-    arrays |= {"com": motion.com_world, "velocity": motion.velocity_world}
-    arrays |= {"spins": motion.spins} if motion.spins.size else {}
-    assert judged(scenario, arrays, timestep).explained_by == ()
+    assert judged(scenario, arrays_of(motion), timestep).explained_by == ()
 
 
 @pytest.mark.parametrize("timestep", [1e-4, 1e-3])
