@@ -228,6 +228,31 @@ RUN_BY_MAKE = (
 @pytest.mark.slow
 @pytest.mark.processes
 @pytest.mark.skipif(find_spec("myst_nb") is None, reason="pip install 'spincheck[docs]'")
+def test_what_notebooks_are_forked_from_ends_with_the_build(tmp_path: Path) -> None:
+    """So it does where it has started other processes, as compiling machine code does."""
+    lines = [
+        "import subprocess, sys, warm_start",
+        "other = [sys.executable, '-c', 'input()']",
+        "warm_start.preload = lambda: subprocess.Popen(other, stdin=subprocess.PIPE)",
+        f"warm_start.serve({str(tmp_path / 'made' / 'socket')!r})",
+    ]
+    (tmp_path / "made").mkdir()
+    begun = subprocess.Popen(
+        [sys.executable, "-c", "\n".join(lines)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=os.environ | {"PYTHONPATH": str(DOCS / "extensions")},
+        text=True,
+    )
+    assert begun.stdout is not None
+    assert begun.stdout.readline() == "ready\n"
+    try:
+        begun.communicate(timeout=TIME_LIMIT)
+    finally:
+        begun.kill()
+    assert begun.returncode == 0
+
+
 def test_the_site_is_built_without_a_warning_and_fetches_nothing(tmp_path: Path) -> None:
     """Examples run while it is built, all but `RUN_BY_MAKE`; a cell that fails, fails it."""
     assert all((DOCS / f"{page}.md").exists() for page in RUN_BY_MAKE)

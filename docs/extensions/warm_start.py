@@ -14,7 +14,6 @@ import socket
 import sys
 import threading
 from collections.abc import Callable
-from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -75,16 +74,18 @@ def serve(address: str) -> None:
         selector.register(listening, selectors.EVENT_READ)
         selector.register(sys.stdin, selectors.EVENT_READ)
         print("ready", flush=True)
+        forks = []
         while not any(key.fileobj is sys.stdin for key, _ in selector.select()):
             connection, _ = listening.accept()
-            if os.fork() == 0:
+            if (fork := os.fork()) == 0:
                 listening.close()
                 selector.close()
                 run(connection)
+            forks.append(fork)
             connection.close()
-    with suppress(ChildProcessError):
-        while True:
-            os.wait()
+    # Other children may last as long as this process: to compile starts one that guards the rest.
+    for fork in forks:
+        os.waitpid(fork, 0)
     shutil.rmtree(Path(address).parent)
 
 
