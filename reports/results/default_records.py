@@ -84,8 +84,8 @@ ALL = ("all",)
 def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row]) -> DefaultEffects:
     """Return the effects of the defaults of a method on a scene, at one timestep.
 
-    If the run with one default alone is missing, the run with all is used instead. If the run with
-    all but one is missing, the run with none is used instead.
+    Defaults are left out for which the run with that default alone is missing, or the run with all
+    but that one.
 
     Parameters
     ----------
@@ -98,8 +98,10 @@ def _effects(key: Key, timestep: float, by_names: Mapping[tuple[str, ...], Row])
     each = []
     none, every = by_names[()], by_names[ALL]
     for name in names:
-        alone = by_names.get((name,), by_names[ALL])
-        without = by_names.get(tuple(other for other in names if other != name), by_names[()])
+        others = tuple(other for other in names if other != name)
+        if not {(name,), others} <= set(by_names):
+            continue
+        alone, without = by_names[name,], by_names[others]
         acts = None if none.acts else alone.acts
         each.append(DefaultEffect(name, alone.errors, without.errors, acts))
     return DefaultEffects(key, timestep, none.errors, every.errors, tuple(each))

@@ -144,9 +144,9 @@ def _errors(
         here = follow(equations, data.starts, part * data.spans)[:, 0]
         remaining = (1 - part) * data.spans
         ends = follow(equations, here, remaining)[:, 0]
-        differentials = _Differentials(coloured, here, rate)
+        differentials = _Differentials(coloured, here, rate, is_world)
         for error, tree, size in zip(errors, every, sizes, strict=True):
-            moved = here + CARRIED * units * differentials.of(tree, is_world=is_world)
+            moved = here + CARRIED * units * differentials.of(tree)
             moved[:, :4] /= norms(moved[:, :4])[:, None]
             carried = apart(ends, follow(equations, moved, remaining)[:, 0])
             error += weight * data.spans * rate * size * carried
@@ -154,13 +154,10 @@ def _errors(
     # differs from the method's ω by the part of the differential that acts on the attitude.
     if data.is_derived:
         ends = follow(equations, data.starts, data.spans)[:, 0]
-        both = [_Differentials(coloured, states, rate) for states in (data.starts, ends)]
+        both = [_Differentials(coloured, at, rate, is_world) for at in (data.starts, ends)]
         for error, tree, size in zip(errors, every, sizes, strict=True):
             began, ended = (
-                CARRIED
-                * rate
-                * turning_of(one.states[:, :4], one.of(tree, is_world=is_world)[:, :4])
-                for one in both
+                CARRIED * rate * turning_of(one.states[:, :4], one.of(tree)[:, :4]) for one in both
             )
             moved = data.starts + np.hstack([np.zeros_like(began[:, :1]), 0 * began, began])
             error -= size * apart(ends, follow(equations, moved, data.spans)[:, 0])
@@ -224,33 +221,30 @@ class _Differentials:
     equations : the equations that vertices of each colour stand for, by the colour's number
     states : q, scalar first, and ω, rad/s, body axes, (n, 7)
     rate : the fastest rate at which states change, 1/s
+    is_world : whether the variables of the method are q and ω along world axes, and not along body
+        axes
     """
 
     equations: Sequence[OtherEquations]
     states: FloatArray
     rate: float
+    is_world: bool = False
 
-    def of(self, tree: Tree, *, is_world: bool = False) -> FloatArray:
-        """Return a tree's elementary differential of q and ω at n states, (n, 7).
+    def of(self, tree: Tree) -> FloatArray:
+        """Return a tree's elementary differential, changes of q and of ω in body axes, (n, 7).
 
         The unit of time is 1/`rate`.
-
-        Parameters
-        ----------
-        is_world : whether the variables of the method are q and ω along world axes. The returned
-            change of ω is along body axes in either case
         """
-        if not is_world:
-            return self._of(tree, self.states, is_world=False)
+        if not self.is_world:
+            return self._of(tree, self.states)
         R, omega = matrices(self.states[:, :4]), self.states[:, 4:]
-        in_world = np.hstack([self.states[:, :4], turned(R, omega)])
-        change = self._of(tree, in_world, is_world=True)
+        change = self._of(tree, np.hstack([self.states[:, :4], turned(R, omega)]))
         # ω along body axes changes, too, as the attitude does: Rᵀ dω − dφ × Rᵀ ω.
         turn = turning_of(self.states[:, :4], change[:, :4])
         of_omega = turned_back(R, change[:, 4:]) - cross(turn, omega / self.rate)
         return np.hstack([change[:, :4], of_omega])
 
-    def _of(self, tree: Tree, states: FloatArray, *, is_world: bool) -> FloatArray:
+    def _of(self, tree: Tree, states: FloatArray) -> FloatArray:
         """Return a tree's elementary differential in the variables of n given states, (n, 7).
 
         With m subtrees at the root it is the m-th derivative of the right-hand side that the root
@@ -259,19 +253,18 @@ class _Differentials:
 
         Parameters
         ----------
-        states : q, scalar first, and ω, rad/s, (n, 7)
-        is_world : whether ω is along world axes, and not along body axes
+        states : q, scalar first, and ω, rad/s, (n, 7); ω is along the axes that `is_world` says
         """
         root, branches = tree
-        directions = [self._of(one, states, is_world=is_world) for one in branches]
+        directions = [self._of(one, states) for one in branches]
+        slopes = self._slopes_in_world if self.is_world else self._slopes
         units = np.array([1.0, self.rate]).repeat([4, 3])
         total = np.zeros_like(states)
         for signs in product((1, -1), repeat=len(branches)):
             moved = states + SMALL * units * sum(
                 sign * one for sign, one in zip(signs, directions, strict=True)
             )
-            slopes = self._slopes_in_world(root, moved) if is_world else self._slopes(root, moved)
-            total += np.prod(signs) * slopes
+            total += np.prod(signs) * slopes(root, moved)
         total /= (2 * SMALL) ** len(branches) * self.rate * units
         is_kept = np.repeat([root <= ATTITUDE, root != ATTITUDE], [4, 3])
         return np.where(is_kept, total, 0.0)

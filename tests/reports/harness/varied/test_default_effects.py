@@ -83,6 +83,15 @@ def test_a_default_is_not_blamed_where_steps_are_wrong_without_any(
     assert [one.acts for one in effects.each] == [blamed]
 
 
+def test_a_default_of_which_a_run_is_missing_has_no_effect_of_another_run() -> None:
+    """So it is where a study was stopped between two runs."""
+    run = Row(Key("top", "pybullet", "default"), "1.0", TIMESTEP, "ok")
+    some = [(), (DAMPING,), (CLAMP,), (INERTIA,), (DAMPING, CLAMP)]
+    rows = [replace(run, variation=variation({"defaults": list(names)})) for names in some]
+    (effects,) = default_effects([run], rows)
+    assert [one.name for one in effects.each] == [INERTIA]
+
+
 def test_a_run_that_ends_at_the_clamp_has_no_errors() -> None:
     fast = scene("fast", start=SPUN_UP.replace("40.0", "140.0"), duration=0.1)
     effects = effects_on(fast)
