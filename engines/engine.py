@@ -108,6 +108,11 @@ class Engine(Adapted, ABC):
         return ()
 
     @property
+    def arguments(self) -> tuple[str, ...]:
+        """The words of a command line, other than files, on which the engine's results depend."""
+        return ()
+
+    @property
     def site(self) -> str:
         """The folder from which worker processes import modules first; empty if there is none."""
         return ""

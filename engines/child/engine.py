@@ -56,6 +56,11 @@ class ChildEngine(Engine):
             return tuple(self._sources)
         return tuple(path for path in map(Path, self.command) if path.is_file())
 
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """The words of the command that name no files; runs are made anew when one changes."""
+        return tuple(word for word in self.command if not Path(word).is_file())
+
     def open(self, scenario: Scenario, method: Method, timestep: float) -> ChildSession:
         """Open the scene in an idle process of the engine, or in a new one if none is idle.
 

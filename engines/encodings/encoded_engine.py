@@ -69,6 +69,11 @@ class EncodedEngine(Engine):
         folder = Path(inspect.getfile(type(self.base))).parent
         return (*sorted(folder.glob("*.py")), *self.base.sources)
 
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """The wrapped engine's `arguments`."""
+        return self.base.arguments
+
     def applies_to(self, scenario: Scenario) -> bool:
         """Whether the engine can be given the scene in this encoding."""
         return self.base.applies_to(scenario) and not self.why_not(scenario)

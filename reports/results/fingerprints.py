@@ -10,6 +10,7 @@ from functools import cache
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
+from sysconfig import get_paths
 
 from ...engines import Engine
 from ...scenarios import Scenario
@@ -24,6 +25,8 @@ _ROOTS = {
 #: Name of the module from which adapters import the interface of engines.
 _INTERFACE = "engine"
 _ROOTS[_INTERFACE] = Path(import_module(_PROGRAM).__path__[0]) / _INTERFACE
+#: The folders of installed packages, whose modules change with the version of the engine.
+_INSTALLED = {get_paths()[kind] for kind in ("purelib", "platlib")}
 #: The modules that determine each kind of result, together with all that these import.
 DECIDING = {
     "motion": ("reference.solve",),
@@ -55,14 +58,15 @@ def fingerprints(scenario: Scenario, engines: Sequence[Engine]) -> Iterator[Fing
     There is one for each kind of result, and one for each engine. That of a kind of result is made
     from the modules that determine it; those of the exact motion and of the verdict also from the
     scene. If an engine is installed in a folder of its own, as other versions of it are, its digest
-    includes the folder's name, which ends with the version of Python that it runs under.
+    includes the folder's name, which ends with the version of Python that it runs under; if it is a
+    program, its digest includes the arguments that the program is started with.
     """
     scene = {"motion": scenario.digest, "verdict": scenario.judged_digest}
     for kind in DECIDING:
         yield Fingerprint(scenario.name, "", kind, _digest([program(kind), scene.get(kind, "")]))
     for engine in engines:
         parts = [engine.version, Path(engine.site).name, adapter(type(engine))]
-        parts += [_content(path) for path in engine.sources]
+        parts += [*engine.arguments, *(_content(path) for path in engine.sources)]
         yield Fingerprint(scenario.name, engine.name, "engine", _digest(parts))
 
 
@@ -89,7 +93,8 @@ def adapter(kind: type[Engine]) -> str:
     """Return the digest of an adapter's source, and of all modules of this program that it imports.
 
     It is empty if the class has no source file. If the adapter has a folder of its own, all Python
-    files in there are its source.
+    files in there are its source; if it is a user's file, so are the modules beside it that it
+    imports, at any depth.
 
     Parameters
     ----------
@@ -104,9 +109,45 @@ def adapter(kind: type[Engine]) -> str:
     files = sorted(file.parent.rglob("*.py")) if own_folder else [file]
     package = kind.__module__.rpartition(".")[0].removeprefix(f"{_PROGRAM}.")
     found = [path for path in files if path.is_file()]
+    depth = kind.__module__.count(".") + (file.name == "__init__.py")
+    root = file.parents[min(depth, len(file.parents) - 1)]
+    if kind.__module__.partition(".")[0] != _PROGRAM and str(root) not in _INSTALLED:
+        found = _with_imported(found, root)
     imported = {name for path in found for name in _imported(path, package)}
     names = sorted(_closure(imported, ()))
     return _digest([*map(_content, found), *(_content(_file(name)) for name in names)])
+
+
+def _with_imported(files: Iterable[Path], root: Path) -> list[Path]:
+    """Return Python files, and the modules below a folder that they import, at any depth.
+
+    Parameters
+    ----------
+    files : the files, which are below `root`
+    root : the folder from which absolute imports begin
+    """
+    found: set[Path] = set()
+    left = list(files)
+    while left:
+        path = left.pop()
+        if path in found:
+            continue
+        found.add(path)
+        for one in source(path).imports:
+            base = [root, *path.parents][: one.level + 1][-1]
+            base = base.joinpath(*filter(None, one.module.split(".")))
+            modules = [base, *(base / name for name, _ in one.names)]
+            left += [file for module in modules for file in _files_of(module)]
+    return sorted(found)
+
+
+def _files_of(module: Path) -> list[Path]:
+    """Return the source of a module or package, given its path without a suffix.
+
+    The list is empty if there is no such file.
+    """
+    files = module.with_name(f"{module.name}.py"), module / "__init__.py"
+    return [file for file in files if file.is_file()]
 
 
 def _closure(names: Iterable[str], without: tuple[str, ...]) -> frozenset[str]:

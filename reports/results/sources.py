@@ -22,13 +22,14 @@ LARGEST = 1 << 22
 
 
 class Import(NamedTuple):
-    """One statement `from MODULE import NAMES`.
+    """One statement `from MODULE import NAMES`, or one module of a statement `import MODULE`.
 
     Attributes
     ----------
     level : number of dots before the module's name; 0 if the import is absolute
     module : the module's name without the dots; may be empty
-    names : for each imported name, the name itself and the name that it is given (`as`)
+    names : for each imported name, the name itself and the name that it is given (`as`); none for
+        `import MODULE`
     outside : whether the statement is at the top level of the importing file, outside of any
         function, class or other block
     """
@@ -45,7 +46,7 @@ class Source(NamedTuple):
     Attributes
     ----------
     digest : digest of the file without docstrings, comments and layout, which change no result
-    imports : the statements `from MODULE import NAMES`, in any order
+    imports : what the file imports, in any order
     """
 
     digest: str
@@ -54,11 +55,17 @@ class Source(NamedTuple):
 
 @cache
 def source(path: Path) -> Source:
-    """Return the digest and the imports of a Python file."""
+    """Return the digest and the imports of a Python file.
+
+    A file that this version of Python cannot parse has the digest of its bytes, and no imports.
+    """
     content = path.read_bytes()
     known, key = _known(), sha256(content).hexdigest()
     if key not in known:
-        tree = ast.parse(content)
+        try:
+            tree = ast.parse(content)
+        except (SyntaxError, ValueError):
+            return Source(key, ())
         digest = sha256(repr(_meaning(tree)).encode()).hexdigest()
         known[key] = Source(digest, tuple(_imports(tree)))
     return known[key]
@@ -102,6 +109,9 @@ def _imports(tree: ast.Module) -> Iterator[Import]:
         if isinstance(node, ast.ImportFrom):
             names = tuple((alias.name, alias.asname or alias.name) for alias in node.names)
             yield Import(node.level, node.module or "", names, id(node) in outside)
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                yield Import(0, alias.name, (), id(node) in outside)
 
 
 def _meaning(node: object) -> object:

@@ -1,13 +1,17 @@
 """Digests change when something changes that results depend on, and only then."""
 
 import ast
+import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 from scene_texts import FAST_TOP
 from spincheck.engines import engines
 from spincheck.engines.adapters.mujoco import MuJoCo
+from spincheck.engines.child.engine import ChildEngine
+from spincheck.engines.child.messages import Hello
 from spincheck.engines.versions.engine import VersionedEngine
 from spincheck.engines.versions.folders import folder_of
 from spincheck.reports.results import fingerprints, sources
@@ -129,3 +133,58 @@ def test_every_module_that_decides_is_there():
     names = {name for names in fingerprints.DECIDING.values() for name in names}
     names |= {*fingerprints.JUDGING}
     assert [name for name in names if not fingerprints._file(name).is_file()] == []
+
+
+def adapter_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """The digest of the class that `my_engine.py` in a folder has, in a package if it is in one."""
+    forget()
+    package = "my_package." if (folder / "__init__.py").exists() else ""
+    name = f"{package}my_engine"
+    with monkeypatch.context() as patch:
+        patch.syspath_prepend(folder.parent if package else folder)
+        digest = fingerprints.adapter(import_module(name).MyEngine)
+    for module in [one for one in sys.modules if one.startswith(("my_", "physics", "deeper"))]:
+        del sys.modules[module]
+    return digest
+
+
+@pytest.mark.parametrize("is_package", [False, True])
+def test_a_change_of_a_module_beside_a_users_adapter_is_one_of_the_adapter(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_package: bool
+) -> None:
+    """Also of one that only such a module imports; not of one that nothing imports."""
+    folder = tmp_path / "my_package"
+    folder.mkdir()
+    dots = "." if is_package else ""
+    if is_package:
+        (folder / "__init__.py").touch()
+    (folder / "my_engine.py").write_text(
+        f"{'from . import physics' if is_package else 'import physics'}\n"
+        "class MyEngine:\n    pass\n"
+    )
+    (folder / "physics.py").write_text(f"def rate():\n    from {dots}deeper import TORQUE\n")
+    (folder / "deeper.py").write_text("TORQUE = 1.0\n")
+    before = adapter_in(folder, monkeypatch)
+    if not is_package:
+        (folder / "unused.py").write_text("broken = (\n")
+        assert adapter_in(folder, monkeypatch) == before
+    (folder / "deeper.py").write_text("TORQUE = 2.0\n")
+    changed = adapter_in(folder, monkeypatch)
+    assert changed != before
+    (folder / "deeper.py").write_text("TORQUE = (\n")
+    assert adapter_in(folder, monkeypatch) not in (before, changed)
+
+
+def test_the_arguments_of_a_program_are_part_of_the_engine(tmp_path: Path) -> None:
+    """Files among them count by what they hold, wherever they are."""
+    (program := tmp_path / "engine.py").write_text("")
+    (moved := tmp_path / "other.py").write_text("")
+    method = {"name": "midpoint", "order": 2, "attitude_order": 2, "summary": "s", "effects": []}
+    described = {"protocol": 1, "name": "toy", "version": "1.0", "precision": "double"}
+    hello = Hello.model_validate(described | {"stock_timestep": None, "methods": [method]})
+    digests = []
+    for words in ([program, "--solver=a"], [moved, "--solver=a"], [program, "--solver=b"]):
+        engine = ChildEngine([str(word) for word in words], hello)
+        found = fingerprints.fingerprints(SCENES["free"], [engine])
+        digests.append(next(one.digest for one in found if one.engine))
+    assert digests[0] == digests[1] != digests[2]
