@@ -12,9 +12,12 @@ from .trajectory import Trajectory
 
 #: Number of motions whose L and energy are kept: errors, drifts and judgements all ask for them.
 RECENT = 16
+#: After a blow-up, terms may be too large for a double.
+IN_BLOW_UPS = np.errstate(over="ignore", invalid="ignore")
 
 
 @lru_cache(maxsize=RECENT)
+@IN_BLOW_UPS
 def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
     """Return L about the pivot, or about the com without one, kg m²/s, (n, 3), read-only.
 
@@ -32,6 +35,7 @@ def angular_momentum_world(scenario: Scene, motion: Trajectory) -> FloatArray:
     return _readonly(L_world + cross(motion.com_world, momentum_world))
 
 
+@IN_BLOW_UPS
 def kinetic_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
     """Return T = ½ m v² + ½ ω·I_com ω plus the energy of rotors, at n samples, J, (n,).
 
@@ -45,12 +49,14 @@ def kinetic_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
     return _with_effects(scenario, motion, rigid, lambda effect: effect.kinetic)
 
 
+@IN_BLOW_UPS
 def potential_energy(scenario: Scene, motion: Trajectory) -> FloatArray:
     """Return V, the sum of the potentials of all effects that have one, at n samples, J, (n,)."""
     return _with_effects(scenario, motion, np.zeros(len(motion.t)), lambda effect: effect.potential)
 
 
 @lru_cache(maxsize=RECENT)
+@IN_BLOW_UPS
 def energy(scenario: Scene, motion: Trajectory) -> FloatArray:
     """Return kinetic plus potential energy at a motion's n samples, J, (n,), read-only."""
     return _readonly(kinetic_energy(scenario, motion) + potential_energy(scenario, motion))
@@ -79,11 +85,9 @@ def _with_effects(
     total : a quantity of the body along the motion, SI, one row for each sample
     term_of : returns the function that computes an effect's term; None if the effect has none
     """
-    # After a blow-up, terms may be too large for a double.
-    with np.errstate(over="ignore", invalid="ignore"):
-        for effect in scenario.acting:
-            if (term := term_of(effect)) is not None:
-                total = total + term(scenario, motion)
+    for effect in scenario.acting:
+        if (term := term_of(effect)) is not None:
+            total = total + term(scenario, motion)
     return total
 
 

@@ -252,7 +252,7 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
         If the line is not an answer that the protocol allows.
     """
     try:
-        answer: Any = json.loads(line, parse_constant=_no_number)
+        answer: Any = json.loads(line, parse_constant=_no_number, object_pairs_hook=_with_keys_once)
     except (ValueError, RecursionError) as error:
         fault = str(error) if isinstance(error, Misanswer) else f"is not JSON: {_quoted(line)}"
         raise Misanswer(fault) from None
@@ -271,6 +271,21 @@ def parse(line: bytes, number: int, expected: type[A]) -> A | Refusal:
         raise Misanswer(
             f"breaks the protocol{f' at {where!r}' if where else ''}: {first['msg']}"
         ) from None
+
+
+def _with_keys_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Return the object of a JSON text; raise `Misanswer` if it has a key twice.
+
+    Parameters
+    ----------
+    pairs : its keys and values, in the order of the text
+    """
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise Misanswer(f"has the key {_quoted(twice.encode(errors='replace'))} twice")
+    return found
 
 
 def _no_number(name: str) -> float:

@@ -477,5 +477,11 @@ KINDS = {
     "ω in the world": Kind("ω were read along the world's axes"),
     "ω turned twice": Kind("ω were turned from world to body axes once more than it needs"),
     "ω reversed": Kind("ω were read with the opposite sign"),
+    "late attitude": Kind("the attitude were read as it was before the step"),
+    "late ω": Kind("ω were read as it was before the step"),
+    "first step": Kind(
+        "the first step from a given state were another than the next: a reading is late by part "
+        "of a step, or the step before is remembered"
+    ),
     "24 bits": Kind("the state were held in 24 bits, as in single precision"),
 }

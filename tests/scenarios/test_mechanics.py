@@ -69,3 +69,10 @@ def test_the_base_is_of_the_fastest_and_the_farthest() -> None:
     path = Trajectory([0, 1], [q, q], [[0, 0, 4], still], [still, [3, 0, 4]], [still, still])
     down = "[effects.gravity]\nacceleration = [0.0, 0.0, -10.0]\n"
     assert energy_base(scene(more=down), path) == pytest.approx(20 + 100, rel=ROUNDED)
+
+
+def test_motions_that_blow_up_have_no_finite_energy_and_make_no_warning() -> None:
+    scenario = scene(more=PIVOT + GRAVITY)
+    fast = replace(ANYHOW, omega_body=np.full((SAMPLES, 3), np.finfo(float).max))
+    assert not np.isfinite(angular_momentum_world(scenario, fast)).all()
+    assert not np.isfinite(energy(scenario, fast)).any()

@@ -10,6 +10,12 @@ from ....scenarios import FloatArray
 from ....scenarios.rotation import conjugate, matrices, rotation_vectors, turned, turned_back
 from ...results.evidence import CONSISTENT, Explanation
 
+#: Numbers that stay the same change by less than this many ulp of the largest.
+ULPS = 4.0
+#: The largest error of a state that is rounded to single precision, rad or relative: with an ulp
+#: for each of the components of a quaternion, and of ω.
+ROUNDED = 8 * float(np.finfo(np.float32).eps)
+
 
 def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanation, ...]:
     """Return the mistake in reading that explains the errors of n states; empty if none does.
@@ -19,13 +25,35 @@ def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanati
     read, exact : the states as they were read, and as they should have been read
     is_single : whether the engine declares single precision
     """
-    if not is_single and _is_in_24_bits(read) and not _is_in_24_bits(exact):
-        return (Explanation("24 bits", ()),)
     deviation = _largest_deviation(read, exact)
+    is_rounded = not is_single and deviation < ROUNDED
+    if is_rounded and _is_in_24_bits(read) and not _is_in_24_bits(exact):
+        return (Explanation("24 bits", ()),)
     for kind, mistaken in MISTAKES.items():
         if _largest_deviation(read, mistaken(exact)) < CONSISTENT * deviation:
             return (Explanation(kind, ()),)
     return ()
+
+
+def first_step_alone(before: State, after: State, ulp: float) -> Explanation:
+    """Return what explains that first steps from n given states are wrong, and second ones are not.
+
+    If attitude or ω alone stays the same in all these steps, it is read late, from before the step.
+
+    Parameters
+    ----------
+    before, after : the states as they were read before and after the first steps
+    ulp : the machine epsilon of the engine's precision
+    """
+    stays = [
+        (np.abs(a - b).max() <= ULPS * ulp * np.abs(b).max())
+        for a, b in (
+            (after.q_world_body_wxyz, before.q_world_body_wxyz),
+            (after.omega_body, before.omega_body),
+        )
+    ]
+    kinds = {(True, False): "late attitude", (False, True): "late ω"}
+    return Explanation(kinds.get((bool(stays[0]), bool(stays[1])), "first step"), ())
 
 
 def _largest_deviation(read: State, exact: State) -> float:

@@ -23,7 +23,8 @@ from ...results.evidence import (
     is_known,
 )
 from ...results.reasons import fault_in_words
-from ..explaining.readings import misreading
+from ..explaining.readings import first_step_alone, misreading
+from ..explaining.search import LEFT
 from ..timesteps.stock import stock_timesteps
 from .look import Look
 from .noise import SURE, ULPS, noise_of, noise_of_steps, rounding_of_body, roundings
@@ -133,7 +134,8 @@ def _examine_or_raise(
                 return StepEvidence(len(states.times), 0.0, 0.0, 0.0, 0, fault=fault)
             order = 0 if engine.single_precision else method.order
             found = evidence_of(examination.look, states, order, explains=explains)
-            return examination.unless_random(found)
+            found = examination.unless_random(found)
+            return examination.unless_first_alone(found) if explains else found
     return None
 
 
@@ -204,6 +206,27 @@ class _Examination:
         if norms(apart)[k] < off / (timestep if fault.kind == "leap" else 1.0) / 4:
             return found
         return replace(found, fault=random_fault(self.at, k, fault.quantity, timestep, apart[k]))
+
+    def unless_first_alone(self, found: StepEvidence) -> StepEvidence:
+        """Return the evidence; its fault is explained as that of first steps if it is theirs alone.
+
+        The first step is the one from a state that was set. The fault is that of first steps if the
+        gains of second steps tend to at most the fraction `LEFT` of what those of first steps do.
+        A reading is late then, or a step depends on the one before. If the engine refuses to take
+        two steps, the evidence is returned as it is.
+        """
+        fault, first = found.fault, self.first
+        if fault is None or fault.kind != "limit" or found.settled:
+            return found
+        try:
+            second = self._take(1, self._repeats[0], self.at.timesteps)
+        except EngineError:
+            return found
+        if second.known_to[0] > LEFT * first.known_to[0]:
+            return found
+        steps = first.steps
+        change = first_step_alone(steps.before, steps.after, self.sessions.engine.ulp)
+        return replace(found, fault=replace(fault, changes=(change,)))
 
     @property
     def look(self) -> Look:

@@ -118,10 +118,8 @@ def _by_equations(case: Case) -> Explanation:
     """
     noise, alternates = _noise_of(case)
     if noise is not None:
-        has = {"is_stated": case.stated is not None, "has_omega": case.has_omega}
-        log = log_of(case.scenario, case.motion, case.exact, noise, **has)
-        log = log.while_followed(case.exact)
-        fit, case = Measured(case.scenario, log), replace(case, noise=noise)
+        fit, case = _fitted(case, noise), replace(case, noise=noise)
+        log = fit.log
         # If ω was recorded wrongly, that is corrected before the log is fitted.
         is_tried = not fit.requires_nothing and _may_be_mistaken(case)
         if is_tried and (both := _beside_a_mistake(case)):
@@ -151,7 +149,37 @@ def _by_equations(case: Case) -> Explanation:
     if case.is_trial or not physics.is_unexplained or (found.explained_by and not found.is_open):
         return found
     both = _beside_a_mistake(case) if _may_be_mistaken(case) and not is_tried else None
-    return both or _since_exactly(case) or _by_its_beginning(case) or found
+    both = both or _since_exactly(case) or _by_its_beginning(case)
+    return both or _by_noise(case, alternates) or found
+
+
+def _fitted(case: Case, noise: FloatArray) -> Measured:
+    """Return the fit of the exact motion to all samples, with a given noise.
+
+    Parameters
+    ----------
+    noise : standard deviations of attitude, rad, and ω, rad/s, (2,)
+    """
+    has = {"is_stated": case.stated is not None, "has_omega": case.has_omega}
+    log = log_of(case.scenario, case.motion, case.exact, noise, **has)
+    return Measured(case.scenario, log.while_followed(case.exact))
+
+
+def _by_noise(case: Case, alternates: Alternation | None) -> Explanation | None:
+    """Return the fit of a motion that noise of attitude or of ω explains; None if it does not.
+
+    Noise of one quantity alone may be an error of a method, so that it is tried last.
+
+    Parameters
+    ----------
+    alternates : what alternates in the motion from sample to sample; None if nothing does
+    """
+    if not alternates or not alternates.is_noise.any():
+        return None
+    fit = _fitted(case, np.maximum(alternates.noise, case.floor))
+    if fit.is_beyond or not fit.requires_nothing:
+        return None
+    return Explanation((), fit.verdict, is_beyond=False, measured=fit)
 
 
 def _may_be_mistaken(case: Case) -> bool:

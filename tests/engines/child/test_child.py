@@ -136,6 +136,14 @@ def test_a_description_that_breaks_the_protocol_is_refused(
         parse(HELLO.replace(said, instead).encode(), 1, Hello)
 
 
+def test_an_answer_with_a_key_twice_is_refused() -> None:
+    """Which of the two values holds depends on who reads it."""
+    line = HELLO.replace('"version"', '"version": "0.9", "version"')
+    assert line != HELLO
+    with pytest.raises(Misanswer, match="has the key 'version' twice"):
+        parse(line.encode(), 1, Hello)
+
+
 def test_a_child_that_died_leaves_the_next_run_a_new_one() -> None:
     engine = planted("dies")
     reasons = {ran(engine).reason for _ in range(2)}

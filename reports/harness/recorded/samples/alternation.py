@@ -29,9 +29,9 @@ SHARED = 2.63
 ALTERNATES = 1.4
 #: Size of the fourth differences of a number that alternates between 1 and −1.
 ALTERNATING = 16.0
-#: Noise must exceed the bound on the error of rounded numbers by this factor; their standard
+#: Noise must exceed this fraction of the bound on the error of rounded numbers; their standard
 #: deviation is some fifty times smaller than the bound.
-PRINTED = 2.0
+PRINTED = 0.2
 #: An alternation that is no noise is reported if it exceeds the least noise by this factor, as the
 #: rounding errors of single precision alternate, too.
 CLEARLY = 25.0

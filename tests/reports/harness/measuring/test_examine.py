@@ -5,6 +5,7 @@ What runs show besides is in `test_replay.py`, and both together in `test_false_
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import stepped_faults as planted
 from box import BOX
@@ -15,7 +16,7 @@ from kinds_of_engines import why_missing
 from library_scenes import library_scene
 from looked_at import FEW, in_single, in_words, is_consistent, looked_at
 from planted_physics import Ungyroscopic, UngyroscopicAndDamped
-from spincheck.engines import Method, Session, engines
+from spincheck.engines import Method, Session, State, engines
 from spincheck.engines.adapters.mujoco.engine import MuJoCo
 from spincheck.engines.checks.equations import Equations
 from spincheck.reports.harness.measuring import examine as examining
@@ -553,3 +554,81 @@ def test_steps_whose_squares_overflow_are_not_judged(size: float) -> None:
 
     racket, engine = library_scene("tennis-racket"), SteppedEngine(Jumps)
     assert examine(engine, racket, "Euler", prepare(racket, (), FEW).places) is None
+
+
+class ReadsLate(Stepped):
+    """After a step it reads what a quantity was before, or in part."""
+
+    late = slice(4, 7)
+    part = 1.0
+
+    def advance(self, steps: int) -> None:
+        for _ in range(steps):
+            self.old = self.y.copy()
+            self.take(1)
+
+    def read_state(self) -> State:
+        """On a pivot com and velocity are read late, too: they follow from attitude and ω."""
+        now = self.y
+        self.y = now.copy()
+        if self.taken:
+            self.y[self.late] += self.part * (self.old - now)[self.late]
+        read = super().read_state()
+        self.y = now
+        return read
+
+
+class ReadsAttitudeLate(ReadsLate):
+    late = slice(0, 4)
+
+
+class ReadsHalfLate(ReadsLate):
+    part = 0.5
+
+
+class RemembersTorque(Stepped):
+    """A step begins with a part of the torque of the one before, of whatever state that was."""
+
+    def __init__(self, *arguments: object) -> None:
+        super().__init__(*arguments)
+        self.before = self.rate_of_omega
+
+    @property
+    def rate_of_omega(self) -> np.ndarray:
+        return np.linalg.solve(self.inertia, np.cross(self.inertia @ self.omega, self.omega))
+
+    def torque(self) -> np.ndarray:
+        before, self.before = self.before, self.rate_of_omega
+        return 0.01 * self.inertia @ (before - self.before)
+
+
+@pytest.mark.parametrize("method", ["Euler", "RK4"])
+@pytest.mark.parametrize("name", ["fast-top", BOOK])
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        (ReadsLate, "as if ω were read as it was before the step: "),
+        (ReadsAttitudeLate, "as if the attitude were read as it was before the step: "),
+        (ReadsHalfLate, "a reading is late by part of a step"),
+    ],
+)
+def test_a_reading_of_before_the_step_is_told_from_other_physics(
+    kind: type[Stepped], words: str, name: str, method: str
+) -> None:
+    """First steps from a state are as those of a body on which no torque acts."""
+    assert words in in_words(looked_at(SteppedEngine(kind), method, name))
+
+
+def test_what_is_remembered_of_the_step_before_is_told_from_other_physics() -> None:
+    found = in_words(looked_at(SteppedEngine(RemembersTorque), "RK4", BOOK))
+    assert "the step before is remembered" in found
+
+
+def test_zeros_that_are_read_are_no_rounding_to_24_bits() -> None:
+    class ReadsZeros(Stepped):
+        def reading(self, state: State) -> State:
+            return replace(state, omega_body=0 * state.omega_body)
+
+    found = in_words(looked_at(SteppedEngine(ReadsZeros), "RK4", BOOK))
+    assert found
+    assert "24 bits" not in found
