@@ -11,7 +11,7 @@ from spincheck.scenarios.effects import Effect, EffectTable
 from top_scenes import GRAVITY, scene
 
 #: An effect of every scene with gravity, of which nothing says that it is no force.
-SPRING = Effect("spring", table="gravity", model=EffectTable)
+PULL = Effect("pull of nothing", table="gravity", model=EffectTable)
 TURNS_NOTHING = EffectTerms("constant", lambda *_: {}, lambda _: False, lambda *_: {})
 
 
@@ -22,20 +22,20 @@ def test_every_effect_but_the_pivot_has_terms() -> None:
 def test_a_scene_with_an_effect_that_has_none_is_not_solved(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setitem(EFFECTS, SPRING.name, SPRING)
+    monkeypatch.setitem(EFFECTS, PULL.name, PULL)
     top = loads(FAST_TOP, "top")
-    assert top.called_for == {"gravity", "pivot", "spring"}
-    with pytest.raises(NotImplementedError, match="exact motion with spring"):
+    assert top.called_for == {"gravity", "pivot", PULL.name}
+    with pytest.raises(NotImplementedError, match=f"exact motion with {PULL.name}"):
         solve(top, top.times)
 
 
 def test_a_force_that_the_flight_is_without_is_not_left_out_of_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setitem(EFFECTS, SPRING.name, SPRING)
-    monkeypatch.setitem(TERMS, SPRING.name, TURNS_NOTHING)
+    monkeypatch.setitem(EFFECTS, PULL.name, PULL)
+    monkeypatch.setitem(TERMS, PULL.name, TURNS_NOTHING)
     thrown = scene(effects=GRAVITY)
-    with pytest.raises(NotImplementedError, match="exact motion with spring"):
+    with pytest.raises(NotImplementedError, match=f"exact motion with {PULL.name}"):
         solve(thrown, thrown.times)
 
 
@@ -45,7 +45,7 @@ def test_laws_of_a_thrown_body_hold_with_no_force_but_gravity(
     laws = [law for law in LAWS if law.name in ("momentum_less_impulse", "com_parabola")]
     scales = InvariantScales(thrown := scene(effects=GRAVITY), rotational_problem(thrown))
     assert [law.holds(scales) for law in laws] == [True, True]
-    monkeypatch.setitem(EFFECTS, SPRING.name, SPRING)
+    monkeypatch.setitem(EFFECTS, PULL.name, PULL)
     pulled = InvariantScales(scene(effects=GRAVITY), scales.problem)
     assert [law.holds(pulled) for law in laws] == [False, False]
 
