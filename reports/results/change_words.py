@@ -477,6 +477,7 @@ KINDS = {
     "ω in the world": Kind("ω were read along the world's axes"),
     "ω turned twice": Kind("ω were turned from world to body axes once more than it needs"),
     "ω reversed": Kind("ω were read with the opposite sign"),
+    "late state": Kind("the state were read as it was before the step"),
     "late attitude": Kind("the attitude were read as it was before the step"),
     "late ω": Kind("ω were read as it was before the step"),
     "first step": Kind(

@@ -38,7 +38,7 @@ def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanati
 def first_step_alone(before: State, after: State, ulp: float) -> Explanation:
     """Return what explains that first steps from n given states are wrong, and second ones are not.
 
-    If attitude or ω alone stays the same in all these steps, it is read late, from before the step.
+    If attitude, ω or both stay the same in all these steps, they are read late, as before the step.
 
     Parameters
     ----------
@@ -52,8 +52,13 @@ def first_step_alone(before: State, after: State, ulp: float) -> Explanation:
             (after.omega_body, before.omega_body),
         )
     ]
-    kinds = {(True, False): "late attitude", (False, True): "late ω"}
-    return Explanation(kinds.get((bool(stays[0]), bool(stays[1])), "first step"), ())
+    kinds = {
+        (True, True): "late state",
+        (True, False): "late attitude",
+        (False, True): "late ω",
+        (False, False): "first step",
+    }
+    return Explanation(kinds[bool(stays[0]), bool(stays[1])], ())
 
 
 def _largest_deviation(read: State, exact: State) -> float:

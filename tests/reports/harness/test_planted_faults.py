@@ -1,7 +1,5 @@
 """Planted faults of an engine are reported by cause in its own rows, and in no other engine's."""
 
-import re
-
 import planted
 import pytest
 from box import BOX
@@ -37,7 +35,7 @@ DETECTED = {
     planted.NegatedSession: ("ok", "law", "after a step, however short it is"),
     planted.SlowClockSession: ("ok", "law", "as if a step took 0.99 timesteps"),
     planted.SpunUpInSecretSession: ("ok", "law", "as if L were sped up by 0.001 /s"),
-    planted.LateSession: ("ok", "law", "as if a step took "),
+    planted.LateSession: ("ok", "law", "as if the state were read as it was before the step"),
     planted.AnotherStartSession: ("ok", "law", "after a step, however short it is"),
     planted.BarelyDampedSession: ("ok", "law", "as if L were slowed by 1e-09 /s"),
 }
@@ -84,13 +82,6 @@ def test_a_planted_fault_is_reported_by_name(together, rows, kind):
     (verdict,) = (one for one in together.verdicts if one.key == row.key)
     assert verdict.verdict == VERDICTS[outcome]
     assert not (row.survived and row.outcome != "ok")
-
-
-def test_a_reading_of_a_step_ago_is_as_if_steps_took_no_time(rows):
-    """But for rounding, of either sign."""
-    reason = rows[engine(planted.LateSession).name].reason
-    (taken,) = re.findall(r"as if a step took (\S+) timesteps", reason)
-    assert abs(float(taken)) < 1e-12
 
 
 def test_the_faultless_engine_is_as_if_it_were_alone_or_twice_as_heavy(rows, tmp_path):
