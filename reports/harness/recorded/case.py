@@ -15,6 +15,7 @@ from .files.exact_at import exact_at
 from .files.motion import Reading, RecordedMotion, recorded_motion
 from .files.recording import Recording, RecordingError
 from .fits.other_physics import Physics
+from .samples.alternation import Alternation, alternation
 from .samples.digits import Numbers, numbers_of
 from .samples.intervals import FEWEST_INTERVALS, intervals_of
 from .samples.jumps import FAR, Jump, jumps
@@ -138,15 +139,24 @@ class Case:
         recorded = recorded_motion(self.scenario, recording, reading, exact)
         return replace(self, recording=recording, reading=reading, exact=exact, recorded=recorded)
 
-    @property
+    @cached_property
     def stated(self) -> FloatArray | None:
         """The standard deviations of noise that the file states: attitude, rad, ω, rad/s, (2,).
 
-        Each is at least the bound in `floor`, which is used if the file states only the other one.
-        The property is None if it states neither.
+        Each is at least the bound in `floor`. If the file states only one, the other is that of the
+        noise which is found in the samples, if any. The property is None if it states neither.
         """
-        stated = [float(self.recording.settings.get(name, 0.0)) for name in NOISE]
-        return np.maximum(stated, self.floor) if any(stated) else None
+        stated = np.array([float(self.recording.settings.get(name, 0.0)) for name in NOISE])
+        if not stated.any():
+            return None
+        if not stated.all() and (found := self.alternates) is not None:
+            stated = np.where((stated == 0) & found.is_noise, found.noise, stated)
+        return np.asarray(np.maximum(stated, self.floor))
+
+    @cached_property
+    def alternates(self) -> Alternation | None:
+        """What alternates in the motion from sample to sample; None if nothing does."""
+        return alternation(self.scenario, self.motion, self.rounding)
 
     @cached_property
     def rounding(self) -> FloatArray:

@@ -27,7 +27,7 @@ from .fits.read_attitude import attitude_read
 from .fits.read_omega import OMEGA, omega_read
 from .fits.since import CHANGED, since_exactly, since_left_out, since_when
 from .fits.starts import elsewhere
-from .samples.alternation import Alternation, alternation
+from .samples.alternation import Alternation
 from .samples.hinges import keeps_momentum_of_start, spins_beyond
 from .samples.intervals import intervals_of
 from .samples.missing import is_omega_off
@@ -174,7 +174,7 @@ def _by_noise(case: Case, alternates: Alternation | None) -> Explanation | None:
     ----------
     alternates : what alternates in the motion from sample to sample; None if nothing does
     """
-    if not alternates or not alternates.is_noise.any():
+    if not alternates or not alternates.is_noise.any() or _is_computed(case):
         return None
     fit = _fitted(case, np.maximum(alternates.noise, case.floor))
     if fit.is_beyond or not fit.requires_nothing:
@@ -277,22 +277,28 @@ def _noise_of(case: Case) -> tuple[FloatArray | None, Alternation | None]:
     noise : standard deviations of attitude, rad, and ω, rad/s, (2,); None if the motion has none
     alternates : what alternates; None if nothing does, or if there is noise that is not stated
     """
-    alternates = alternation(case.scenario, case.motion, case.rounding)
+    alternates = case.alternates
     if case.stated is None and case.noise.any():
         fits = FITS * np.array([1.0, norms(case.motion.omega_body).max()])
         return np.maximum(case.noise, np.maximum(case.floor, fits)), None
     if case.stated is not None or not alternates:
         return case.stated, alternates
-    # Only for a motion that was computed does a user state an order of more than one.
-    is_computed = case.timestep is not None and case.order > 1
     is_large = bool((alternates.noise > _of_solvers(case)).all())
     is_noise = alternates.is_noise & [is_large or not case.has_omega, case.has_omega]
-    if is_computed or not is_noise.any():
+    if _is_computed(case) or not is_noise.any():
         return None, alternates
     # Errors of a method alternate, too, where rotors turn by radians between samples.
     if case.timestep is not None and case.physics.is_of_method:
         return None, alternates
     return np.maximum(alternates.noise, case.floor), None
+
+
+def _is_computed(case: Case) -> bool:
+    """Return whether a motion is known to have been computed, and not measured.
+
+    Only for a motion that was computed does a user state a timestep, and an order of more than one.
+    """
+    return case.timestep is not None and case.order > 1
 
 
 def _of_solvers(case: Case) -> FloatArray:

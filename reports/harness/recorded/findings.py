@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....scenarios.rotation import matrices
+from ....scenarios.rotation import matrices, norms
 from .case import Case
 from .samples.columns import saturated, stuck
 from .samples.digits import Shown, shown_by_digits
@@ -19,6 +19,13 @@ from .samples.odd_samples import across_signs, exchanged, jitter, lost_sign, war
 
 #: Mistakes in recording are looked for if they have been corrected at most this many times before.
 MOST_UNDONE = 2
+#: An ω that is more than `OFF_SCALE` times the exact one is in none of the units that are tried for
+#: it. It is divided by the factor if the attitudes turn no more than `FASTER` times as fast, or as
+#: slowly, as the exact ones.
+OFF_SCALE, FASTER = 100.0, 2.0
+#: Small units of angular velocity, how many of them are 1 rad/s, and the relative tolerance with
+#: which they are recognised.
+SCALES, UNIT_SLACK = {"mrad/s": 1e3, "m°/s": 180e3 / np.pi}, 0.01
 
 
 class Finding(NamedTuple):
@@ -46,7 +53,34 @@ def finding(case: Case) -> Finding | None:
 
     What the numbers alone show is looked for first, and then what the equations of motion show.
     """
-    return _of_numbers(case) or _of_mistakes(case) or _of_times(case) or _of_jumps(case)
+    found = _of_scale(case) or _of_numbers(case)
+    return found or _of_mistakes(case) or _of_times(case) or _of_jumps(case)
+
+
+def _of_scale(case: Case) -> Finding | None:
+    """Return the finding that ω is far larger than the attitudes turn; None if it is not.
+
+    It is if it is more than `OFF_SCALE` times the exact ω, and the attitudes turn at most twice as
+    fast, or half as fast, as the exact ones. `Finding.left` has the case with ω divided by the
+    factor, and the case without ω.
+    """
+    omega, exact = case.reading.omega, norms(case.exact.omega_body)[:-1]
+    turns = exact > 0
+    if omega is None or not turns.any():
+        return None
+    read, turned = (
+        float(np.median(norms(each)[turns] / exact[turns]))
+        for each in (omega[:-1], case.numbers.rates)
+    )
+    if read < OFF_SCALE or not 1 / FASTER < turned < FASTER:
+        return None
+    units = (unit for unit, factor in SCALES.items() if abs(read / factor - 1) < UNIT_SLACK)
+    unit = next(units, "")
+    words = f"ω is {read:.4g} times as large as the attitudes turn"
+    words += f", as in {unit}" if unit else ": look at its unit, or at its sensor's scale"
+    by_factor = case.reading._replace(omega=omega / SCALES.get(unit, read))
+    cases = (case.read(one) for one in (by_factor, case.reading._replace(omega=None)))
+    return Finding((words,), tuple(filter(None, cases)), is_beyond=True, is_all=True)
 
 
 def _of_numbers(case: Case) -> Finding | None:

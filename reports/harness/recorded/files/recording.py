@@ -135,6 +135,12 @@ def factor_of(quantity: Quantity, unit: str | None) -> float:
     return quantity.units[unit]
 
 
+def names_time(head: str) -> bool:
+    """Return whether a heading, which may have a unit in brackets, names the column of times."""
+    match = _HEAD.match(head)
+    return match is not None and QUANTITIES[0].component(match["name"]) is not None
+
+
 def _column(head: str) -> Column | None:
     """Return the column that a heading names; None if it names no known quantity.
 

@@ -11,7 +11,15 @@ import numpy as np
 
 from .....scenarios import FloatArray, printable
 from .....scenarios.document import MAX_SAMPLES
-from .recording import QUANTITIES, Quantity, Recording, RecordingError, columns_of
+from .recording import (
+    QUANTITIES,
+    ColumnError,
+    Quantity,
+    Recording,
+    RecordingError,
+    columns_of,
+    names_time,
+)
 
 #: Largest number of characters in a line.
 LONGEST_LINE = 1 << 14
@@ -163,8 +171,9 @@ def _lines(file: IO[str]) -> Iterator[tuple[int, str]]:
 def read_csv(path: Path) -> Recording:
     """Read a motion from a table in text, whose first line names the columns.
 
-    Lines before the table that begin with # may state settings, ``# timestep = 0.001``. Cells are
-    separated by commas, semicolons, tabs or spaces.
+    Lines before the table that begin with # may state settings, ``# timestep = 0.001``. The line
+    that names the columns may begin with #, too, as NumPy's savetxt writes it. Cells are separated
+    by commas, semicolons, tabs or spaces.
 
     Raises
     ------
@@ -180,17 +189,27 @@ def read_csv(path: Path) -> Recording:
     with path.open(encoding="utf-8-sig") as file:
         lines = _lines(file)
         for number, line in lines:
-            if not line.startswith("#"):
+            said = line.lstrip("# ")
+            delimiter = next((mark for mark in ",;\t" if mark in said), " ")
+            if not line.startswith("#") or _names_columns(_cells(said, delimiter)):
                 break
-            name, _, value = line.lstrip("# ").partition("=")
+            name, _, value = said.partition("=")
             settings |= setting(name.strip(), value.strip(), number)
         else:
             raise RecordingError("is empty; its first line must name the columns: t,qw,qx,qy,qz")
-        delimiter = next((mark for mark in ",;\t" if mark in line), " ")
-        table = Table(_cells(line, delimiter))
+        table = Table(_cells(said, delimiter))
         for number, line in lines:
             table.add(_cells(line, delimiter), f"line {number}")
     return Recording(path, table.arrays(), settings, table.ignored)
+
+
+def _names_columns(cells: Sequence[str]) -> bool:
+    """Return whether the cells of a line are headings of all columns that a motion needs."""
+    try:
+        columns_of(cells)
+    except ColumnError:
+        return False
+    return True
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
@@ -203,7 +222,7 @@ def _cells(line: str, delimiter: str) -> list[str]:
 def read_json_lines(path: Path) -> Recording:
     """Read a motion from JSON lines, each with one object: first settings, if any, then samples.
 
-    The first object with a key `t` is the first sample.
+    The first object with a key that names the time, such as `t`, is the first sample.
 
     Raises
     ------
@@ -221,7 +240,7 @@ def read_json_lines(path: Path) -> Recording:
     with path.open(encoding="utf-8-sig") as file:
         for number, line in _lines(file):
             record = _object(line, number)
-            if table is None and "t" not in record:
+            if table is None and not any(map(names_time, record)):
                 for name, value in record.items():
                     settings |= setting(name, str(value), number)
                 continue

@@ -9,7 +9,7 @@ from ...explaining.changes import is_scaled
 from ...explaining.fit import Fit
 from ...explaining.hypothesis import Change
 from ..samples.missing import KINEMATICS
-from ..samples.sensors import CROSS_AXIS, OF_LOGS, of_sensor
+from ..samples.sensors import CROSS_AXIS, OF_LOGS, of_sensor, shortest
 from .log_fit import START, LogFit
 from .starts import started_elsewhere
 
@@ -115,7 +115,7 @@ class Measured(LogFit):
         if change.kind == "tilt":
             return f"{self.fit.explanation(change).words} (± {np.degrees(errors.max()):.2g}°)"
         if change is self.axes:
-            turn = _plus_minus(np.degrees(values), np.degrees(errors))
+            turn = _plus_minus(np.degrees(shortest(values)), np.degrees(errors))
             return f"attitude and ω are those of axes that are turned by {turn}° in the body"
         if change.kind == self.by_attitude.kind:
             # A dipole also has parameters that are angles, not torques, and have another scale.

@@ -71,8 +71,15 @@ class Numbers:
 
     @cached_property
     def resolution_omega(self) -> float:
-        """The resolution with which ω is printed, rad/s (`resolution`); 0 if ω was not recorded."""
-        return 0.0 if self.omega is None else resolution(self.omega, RATES.values())
+        """The resolution of ω, rad/s; 0 if ω was not recorded.
+
+        It is that with which ω is printed (`resolution`), or the step of a sensor that counts, if
+        that is larger.
+        """
+        if self.omega is None:
+            return 0.0
+        printed = resolution(self.omega, RATES.values())
+        return max(printed, *(_step_of(column, printed) for column in self.omega.T))
 
     @cached_property
     def should_turn(self) -> Flags:
@@ -370,8 +377,19 @@ def _unit_of_three(q: FloatArray) -> float:
     """
     largest = np.abs(q).argmax(axis=1)
     others = np.abs(q[np.arange(4) != largest[:, None]]).round(DIGITS)
-    distances = np.diff(np.unique(others))
-    if len(distances) < FEWEST_VALUES or distances.min() < FINEST:
+    return _step_of(others, FINEST)
+
+
+def _step_of(numbers: FloatArray, finest: float) -> float:
+    """Return the step of which all differences of numbers are multiples; 0 if there is none.
+
+    Parameters
+    ----------
+    numbers : of any shape
+    finest : the least step that is recognised
+    """
+    distances = np.diff(np.unique(numbers))
+    if len(distances) < FEWEST_VALUES or distances.min() < finest:
         return 0.0
     multiples = distances / distances.min()
     return float(distances.min()) if np.abs(multiples - np.rint(multiples)).max() < NEAR else 0.0

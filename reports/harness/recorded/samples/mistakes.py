@@ -36,6 +36,9 @@ FEWEST_LEFT, LEFT_OUT = 2, 1
 FURTHEST = 3e3
 #: Errors below this, relative or in rad, need no explanation.
 FITS = 1e-9
+#: Evenly spaced times count as those of samples whose times are rounded if they are exp(`LIKELIER`)
+#: times as likely, and make the deviations smaller by the factor exp(−`EVENER`) at least.
+LIKELIER, EVENER = 30.0, 0.1
 #: Words for times that are too short, or too long, by a factor.
 TOO_SHORT = "too short, as where one state in so many is kept"
 TOO_LONG = "too long, as of another timestep than that of the steps"
@@ -170,13 +173,15 @@ def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
 def rounded_times(reading: Reading) -> list[str]:
     """Return the sentence that the times of a recording are rounded.
 
-    They are if evenly spaced times are found, at which the attitude follows ω far better.
+    They are if evenly spaced times are found, at which the attitude follows ω far better: with
+    normally distributed deviations these times are exp(`LIKELIER`) times as likely.
 
     Returns
     -------
     A list of one sentence; empty if the times are not rounded
     """
-    enough = LEFT * min(1.0, _kinematic_error(reading))
+    error, freedom = _kinematic_error(reading), 3 * (len(reading.t) - 1)
+    enough = error * np.exp(-max(LIKELIER / freedom, EVENER))
     return [words for words, other in equal_times(reading) if _kinematic_error(other) < enough][:1]
 
 

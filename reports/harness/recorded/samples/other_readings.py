@@ -21,7 +21,10 @@ from ..files.recording import unit_of
 #: The numbers of samples by which ω may be older or newer than the attitude; one sample is tried in
 #: `mistakes.py`.
 SAMPLES = range(2, 6)
-#: Tolerance of rounded times, in units to which they are rounded; and of entries of matrices.
+#: Evenly spaced times that are fitted by least squares are further than half a unit from those that
+#: are rounded to that unit, by this fraction at most.
+FITTED = 0.25
+#: Tolerance of entries of matrices.
 ALIKE = 1e-6
 #: All orders and signs of three axes, as matrices; and those of them that are rotations.
 EVERY_AXES = [
@@ -71,7 +74,7 @@ def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
         even = first + distance * count
         # If times are multiples of the spacing itself, they are not rounded.
         is_rounded = 0 < unit < (1 - LEFT**2) * slope
-        if is_rounded and np.abs(t - even).max() < (1 + ALIKE) * unit / 2:
+        if is_rounded and np.abs(t - even).max() < (1 + FITTED) * unit / 2:
             words = f"the times are rounded to {unit:.6g} s: samples are {words} apart"
             yield words, reading._replace(t=even)
 

@@ -101,7 +101,8 @@ WORDS = {
     "delay": ("the attitude is that of {} s before its time, and ω is that of its time", 0.0, 1.0),
 }
 
-
+#: The kinds of changes whose parameters are a rotation vector.
+TURNED = ("axes", "turned attitude")
 #: By kind of change: the sentence if its parameter is negative; the absolute value is shown.
 AHEAD = {
     "lag": "ω is ahead of the attitude by {} s",
@@ -126,9 +127,16 @@ def of_sensor(
         words, parameters = AHEAD[change.kind], -parameters
     if not len(parameters):
         return words
+    if change.kind in TURNED:
+        parameters = shortest(parameters)
     shown = added + factor * parameters
     in_degrees = change.kind == "scale" and np.isclose(shown, 180 / np.pi, rtol=DEGREES).any()
     return words.format(in_words(shown, factor)) + ", as in degrees" * bool(in_degrees)
+
+
+def shortest(rotation_vector: FloatArray) -> FloatArray:
+    """Return the rotation vector, rad, (3,), of the same rotation by at most π."""
+    return Rotation.from_rotvec(rotation_vector).as_rotvec()
 
 
 def as_read(hypotheses: Hypothesis, states: FloatArray, t: FloatArray) -> FloatArray:

@@ -50,6 +50,14 @@ def test_a_file_states_its_frames_in_comments(tmp_path):
     assert read_recording(written(tmp_path, text)).settings == settings
 
 
+def test_headings_may_be_in_a_comment_as_of_savetxt(tmp_path):
+    text = "# t in seconds\n# omega = world\n# " + GOOD
+    recording = read_recording(written(tmp_path, text))
+    plain = read_recording(written(tmp_path, "# omega = world\n" + GOOD, "plain.csv"))
+    assert recording.settings == plain.settings == {"omega": "world"}
+    assert recording.arrays["q"].tolist() == plain.arrays["q"].tolist()
+
+
 def test_lines_of_json_are_read_with_lists_or_single_numbers(tmp_path):
     text = (
         '{"omega": "world"}\n{"t": 0, "q": [1, 0, 0, 0], "omega": [1, 2, 3], "note": [1]}\n'
@@ -58,6 +66,13 @@ def test_lines_of_json_are_read_with_lists_or_single_numbers(tmp_path):
     recording = read_recording(written(tmp_path, text, "motion.jsonl"))
     assert recording.arrays["omega"].tolist() == [[1, 2, 3]] * 2
     assert recording.settings == {"omega": "world"}
+
+
+@pytest.mark.parametrize(("key", "at"), [("time", 0.1), ("t [ms]", 100.0)])
+def test_lines_of_json_may_name_the_time_as_tables_do(tmp_path, key, at):
+    text = "".join(f'{{"{key}": {t}, "q": [1, 0, 0, 0]}}\n' for t in (0, at))
+    recording = read_recording(written(tmp_path, text, "motion.jsonl"))
+    assert recording.arrays["t"].tolist() == [0.0, pytest.approx(0.1)]
 
 
 @pytest.mark.parametrize(

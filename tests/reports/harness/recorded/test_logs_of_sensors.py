@@ -1,0 +1,107 @@
+"""What logs of real sensors have besides noise: counts, few digits, other units, rounded times."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from library_scenes import library_scene
+from reported_faults import named
+from scipy.spatial.transform import Rotation
+from spincheck.reference import solve
+from spincheck.reports.harness.recorded.files.recording import Recording
+from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
+from spincheck.reports.harness.recorded.samples.sensors import SENSORS, of_sensor
+
+pytestmark = pytest.mark.slow
+
+Arrays = dict[str, np.ndarray]
+#: Samples, and the angle by which the body turns from one to the next at first, rad.
+COUNT, TURN = 300, 0.0473
+#: Standard deviations of attitude, rad, and ω, relative to its size at first.
+ATTITUDE, OMEGA = 2e-3, 1e-3
+SCENES = ("book-with-drag", "t-handle", "quadrotor-body")
+
+
+def log(name: str, attitude: float = ATTITUDE, omega: float = OMEGA) -> Arrays:
+    """A log of a scene of the library, with noise."""
+    scenario, chance = library_scene(name), np.random.default_rng(11)
+    speed = float(np.linalg.norm(scenario.start.omega_body))
+    t = np.arange(COUNT) * min(TURN / speed, scenario.window.duration / COUNT)
+    motion = solve(scenario, t).trajectory
+    turned = Rotation.from_rotvec(chance.normal(0, attitude, (COUNT, 3)))
+    q = Rotation.from_quat(motion.q_world_body_wxyz, scalar_first=True) * turned
+    read = motion.omega_body + chance.normal(0, omega * speed, (COUNT, 3))
+    return {"t": t, "q": q.as_quat(scalar_first=True), "omega": read}
+
+
+def judged(name: str, arrays: Arrays, **stated: str) -> JudgedMotion:
+    return judged_motion(library_scene(name), Recording(Path("log.csv"), arrays, stated), 1)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_an_omega_far_out_of_scale_is_named_with_its_factor(name: str) -> None:
+    """No motion is followed at such a rate, which would take minutes."""
+    for factor, words in (
+        (1e3, ", as in mrad/s"),
+        (180e3 / np.pi, ", as in m°/s"),
+        (7506.0, ": look at its unit, or at its sensor's scale"),
+    ):
+        arrays = log(name)
+        found = judged(name, arrays | {"omega": factor * arrays["omega"]})
+        (said,) = named(found)
+        assert said.startswith("ω is ")
+        assert said.endswith(f" times as large as the attitudes turn{words}")
+        assert float(said.split()[2]) == pytest.approx(factor, rel=OMEGA)
+        assert found.is_beyond
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_gyroscope_that_counts_is_neither_stuck_nor_interpolated(name: str) -> None:
+    """Equal samples in succession are frequent where noise is less than a count."""
+    arrays = log(name, omega=0.0)
+    count = float(np.abs(arrays["omega"]).max()) / 400
+    noise = np.random.default_rng(13).normal(0, 0.3 * count, (COUNT, 3))
+    arrays["omega"] = np.rint((arrays["omega"] + noise) / count) * count
+    assert not judged(name, arrays).is_another
+
+
+def test_a_column_of_counts_that_is_stuck_is_found() -> None:
+    arrays = log("t-handle", omega=0.0)
+    count = float(np.abs(arrays["omega"]).max()) / 400
+    arrays["omega"] = np.rint(arrays["omega"] / count) * count
+    axis = int(np.ptp(arrays["omega"], axis=0).argmax())
+    arrays["omega"][100:200, axis] = arrays["omega"][100, axis]
+    said = " ".join(named(judged("t-handle", arrays)))
+    assert f"w{'xyz'[axis]} is " in said
+    assert "its column is stuck" in said
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_noise_that_is_not_stated_beside_one_that_is_is_estimated(name: str) -> None:
+    found = judged(name, log(name), noise_attitude=repr(ATTITUDE))
+    assert not found.is_another
+    assert found.measured is not None
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_noise_of_attitudes_beside_an_omega_of_few_digits_is_noise(name: str) -> None:
+    arrays = log(name, 10 * ATTITUDE, 0.0)
+    rounded = [float(f"{value:.6g}") for value in arrays["omega"].ravel()]
+    found = judged(name, arrays | {"omega": np.reshape(rounded, (COUNT, 3))})
+    assert not found.is_another
+
+
+@pytest.mark.parametrize("name", ["t-handle", "hammer", "tennis-racket"])
+def test_times_that_are_rounded_are_said_to_be_beside_noise(name: str) -> None:
+    even = log(name, ATTITUDE / 10, OMEGA / 10)
+    assert not judged(name, even).is_another
+    # At least three units from one time to the next.
+    decimals = int(np.ceil(-np.log10(even["t"][1] / 3)))
+    (said, *_) = named(judged(name, even | {"t": even["t"].round(decimals)}))
+    assert said.startswith(f"the times are rounded to {10.0**-decimals:g} s: samples are ")
+
+
+def test_axes_that_are_turned_by_more_than_half_a_turn_are_turned_the_other_way_by_less() -> None:
+    (axes,) = (one for one in SENSORS if one.kind == "axes")
+    turn = np.array([0.0, 0.0, np.radians(240.0)])
+    assert "by 120°" in of_sensor(axes, -turn, lambda n, _: f"{n[2]:.5g}")
