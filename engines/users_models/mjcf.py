@@ -167,7 +167,7 @@ class _Reader:
         if len(inertials) > 1:
             second, _ = inertials[1]
             second.refuse(f"a second <inertial> in {element}: engines do not take the same one")
-        by_shapes = self.compiler.from_shapes or (not inertials and _has_shapes(element))
+        by_shapes = self.compiler.from_shapes or (not inertials and _has(element, "geom"))
         self.links.append(
             Link(
                 name=name,
@@ -177,7 +177,7 @@ class _Reader:
                 else _stated(*inertials[0], self.compiler),
                 parent=parent,
                 pose=frame.then(_pose(element, self.compiler)),
-                moves=any(child.tag in ("joint", "freejoint") for child in element.children),
+                moves=_has(element, "joint", "freejoint"),
                 by_shapes=by_shapes,
                 span=element.span if element.file == self.file else (0, 0),
             )
@@ -224,10 +224,10 @@ def inertials_of(body: Element) -> list[tuple[Element, tuple[Element, ...]]]:
     return found
 
 
-def _has_shapes(element: Element) -> bool:
-    """Whether an element has a `geom`, as a child or inside of frames and replicates."""
+def _has(element: Element, *tags: str) -> bool:
+    """Whether a body has a part with one of the tags, also inside of frames and replicates."""
     return any(
-        child.tag == "geom" or (child.tag in ("frame", "replicate") and _has_shapes(child))
+        child.tag in tags or (child.tag in ("frame", "replicate") and _has(child, *tags))
         for child in element.children
     )
 

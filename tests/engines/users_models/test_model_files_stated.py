@@ -105,6 +105,24 @@ def test_replicated_bodies_are_there_as_often_as_the_file_says(tmp_path):
     assert model.link("l10").parent == "k10"
 
 
+@each_case(
+    ("inside", "moves"),
+    [
+        ('<joint type="slide"/>', True),
+        ('<frame euler="0 0 30"><joint/></frame>', True),
+        ("<frame><frame><joint/></frame></frame>", True),
+        ("<frame><freejoint/></frame>", True),
+        ('<frame><geom size="1"/></frame>', False),
+        # That joint is another body's.
+        ('<frame><body name="b"><joint/></body></frame>', False),
+    ],
+)
+def test_a_joint_inside_of_frames_moves_the_body(tmp_path, inside, moves):
+    text = arm_of_mjcf(f'<body name="k">{inside}</body>')
+    model = read(tmp_path, text)
+    assert model.link("k").moves == moves
+
+
 def test_an_include_of_the_models_folder_is_followed(tmp_path):
     inner = '<mujoco><body name="arm"><inertial mass="3" diaginertia="1 1 1"/></body></mujoco>'
     written(tmp_path, inner, "parts/arm.xml")
