@@ -189,8 +189,8 @@ class _Reader:
     def _replicate(self, element: Element, parent: str, frame: Pose) -> None:
         """Read the bodies inside a `replicate`, and add as many copies as its count says.
 
-        The copies have names of their own, but the pose of the original: the offsets between them
-        are not computed.
+        Copies have names of their own. Each is moved by `offset` and turned by `euler` relative to
+        the one before, along the axes of that one (MuJoCo's XML reference, *replicate*).
 
         Parameters
         ----------
@@ -200,20 +200,21 @@ class _Reader:
         """
         (count,) = element.numbers("count", 1)
         before, separator = len(self.links), element.attributes.get("sep", "")
-        self.read(element, parent, frame)
+        self.read(element, parent, Pose())
         once = self.links[before:]
         del self.links[before:]
         own = {link.name for link in once}
+        turn = _by_euler(np.array(element.numbers("euler", 3, ZEROS)), self.compiler).as_matrix()
+        step = Pose(np.array(element.numbers("offset", 3, ZEROS)), turn)
         for index in range(int(count)):
             suffix = f"{separator}{index:0{len(str(int(count) - 1))}d}"
             self.links += [
-                replace(
-                    link,
-                    name=link.name + suffix,
-                    parent=link.parent + suffix if link.parent in own else link.parent,
-                )
+                replace(link, name=link.name + suffix, parent=link.parent + suffix)
+                if link.parent in own
+                else replace(link, name=link.name + suffix, pose=frame.then(link.pose))
                 for link in once
             ]
+            frame = frame.then(step)
 
 
 def inertials_of(body: Element) -> list[tuple[Element, tuple[Element, ...]]]:

@@ -105,6 +105,18 @@ def test_replicated_bodies_are_there_as_often_as_the_file_says(tmp_path):
     assert model.link("l10").parent == "k10"
 
 
+def test_each_replica_is_moved_and_turned_relative_to_the_one_before(tmp_path):
+    """By hand: steps of 1 m along x, and of a quarter turn about z, 5 m above the arm."""
+    inner = '<body name="k" pos="0 1 0"><body name="l" pos="0 0 2"/></body>'
+    three = f'<replicate count="3" offset="1 0 0" euler="0 0 90">{inner}</replicate>'
+    model = read(tmp_path, arm_of_mjcf(f'<frame pos="0 0 5">{three}</frame>'))
+    links = [model.link(f"{name}{index}") for name in "kl" for index in range(3)]
+    places = [[0, 1, 5], [0, 0, 5], [1, 0, 5]] + 3 * [[0, 0, 2]]
+    x_axes = [[1, 0, 0], [0, 1, 0], [-1, 0, 0]] + 3 * [[1, 0, 0]]
+    assert np.abs([link.pose.position for link in links] - np.array(places)).max() <= 8 * EPS
+    assert np.abs([link.pose.R[:, 0] for link in links] - np.array(x_axes)).max() <= 8 * EPS
+
+
 @each_case(
     ("inside", "moves"),
     [

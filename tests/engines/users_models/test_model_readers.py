@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from case_loops import each_case
 from spincheck.engines.model_readers import model_readers
-from spincheck.engines.users_models import read_model
+from spincheck.engines.users_models import AGREES, difference, read_model, rigid_bodies
+from spincheck.engines.users_models.model_file import RigidBody
 from users_models import arm, body, inertial, joint, link, robot, written
 
 pytest.importorskip("pybullet")
@@ -90,6 +91,26 @@ def test_replicated_bodies_are_named_as_mujoco_names_them(tmp_path):
     for named in (text, text.replace(' name="k"', "")):
         names = {one.name for one in read_model(written(tmp_path, named, "robot.xml")).links}
         assert set(held(tmp_path, named, ("mujoco", "as-is"), "robot.xml")) == names
+
+
+@each_case("sequence", ["zYx", "XYZ"])
+def test_replicas_are_where_mujoco_has_them(tmp_path, sequence):
+    """Nested ones, which MuJoCo fuses with the arm: their sum is right only if all places are."""
+    part = '<inertial pos="0 0 0" mass="1" diaginertia="1 2 2.5"/>'
+    inner = f'<body name="k" pos="1 0 0" euler="3 2 1">{part}</body>'
+    for step in ('offset="0 0.1 0.2" euler="0.1 0.5 -0.7"', 'euler="9 8 7" sep="-"'):
+        copies = f'<replicate count="2" {step}>{inner}</replicate>'
+        inner = f'<frame pos="0 1 0" euler="1 1 2">{copies}</frame>'
+    compiler = f'<compiler angle="radian" eulerseq="{sequence}" fusestatic="true"/>'
+    text = body(f"<freejoint/>{part}{inner}", compiler)
+    got = held(tmp_path, text, ("mujoco", "as-is"), "robot.xml")
+    (whole,) = rigid_bodies(read_model(tmp_path / "robot.xml").links)
+    assert list(got) == ["arm"]
+    assert difference(whole.stated, got["arm"]).worst <= AGREES
+    # Teeth: with the first pose for all, it is another body.
+    (arm_part, first, *others) = whole.parts
+    wrong = RigidBody((arm_part, first, *((link, first[1]) for link, _ in others)))
+    assert difference(wrong.stated, got["arm"]).worst > 0.1
 
 
 def test_mujoco_is_given_what_was_checked_and_opens_no_file_of_the_users(tmp_path):
