@@ -18,4 +18,4 @@ from .model_file import (
 )
 from .read import UsersLink, read_model, users_link
 from .urdf import body_alone, edited
-from .xml_tree import Element, ModelFileError
+from .xml_tree import Element, ModelFileError, parse_xml

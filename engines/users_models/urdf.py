@@ -252,11 +252,15 @@ def body_alone(
 
 
 def edited(data: bytes, edits: Edits) -> bytes:
-    """Return a file's bytes with spans of it replaced, as edits state; spans must not overlap."""
+    """Return a file's bytes with spans of it replaced, as edits state.
+
+    A span inside of another one goes with that; spans must not overlap otherwise.
+    """
     parts, at = [], 0
     for (start, end), new in sorted(edits):
-        parts += [data[at:start], new]
-        at = end
+        if start >= at:
+            parts += [data[at:start], new]
+            at = end
     return b"".join([*parts, data[at:]])
 
 

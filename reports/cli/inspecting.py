@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ...engines import BodyReading
-from ...engines.users_models import ModelFile, ModelFileError, read_model
+from ...engines.users_models import ModelFile, ModelFileError, parse_xml, read_model
 from ...scenarios import printable
 from ...scenarios.regular_files import write_new
 from ..harness.executors import LocalWorkers
@@ -128,9 +128,12 @@ def write_mended(
     Raises
     ------
     Complaint
-        If the file is there already, or the copy cannot be written or read.
+        If the file is there already, or the copy cannot be written or read; what is not well-formed
+        XML is not written.
     """
     one = mended(inspection, wishes)
+    with as_complaint(ModelFileError):
+        parse_xml(one.data, printable(str(out)))
     with written(out):
         write_new(out, one.data.decode(), replace=False)
     with as_complaint(ModelFileError):

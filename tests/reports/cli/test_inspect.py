@@ -11,6 +11,7 @@ from spincheck.reports.cli.terminal import Complaint
 from spincheck.reports.harness.executors import CallFailed, InProcess, LocalWorkers
 from spincheck.reports.harness.executors.executor import Answer
 from spincheck.reports.users_models import inspection as harness
+from spincheck.reports.users_models.mend import Mended
 from spincheck.scenarios.errors import is_control
 from typer.testing import CliRunner
 from users_models import arm, arm_with_a_tool, body, diagonal, written
@@ -275,6 +276,16 @@ def test_what_cannot_be_written_ends_with_exit_code_2(tmp_path, monkeypatch, arg
     assert code == 2
     assert words in message
     assert path.read_text(encoding="utf-8") == arm()
+    assert [one.name for one in tmp_path.iterdir()] == ["robot.urdf"]
+
+
+def test_no_broken_file_is_left(tmp_path, monkeypatch):
+    """Planted: a mended file whose last tag is cut off."""
+    broken = Mended(arm().encode()[:-9], [], [])
+    monkeypatch.setattr(command, "mended", lambda *_: broken)
+    path = written(tmp_path, arm())
+    code, message, _ = complaint(path, "--mend", tmp_path / "b.urdf")
+    assert (code, message) == (2, f"{tmp_path / 'b.urdf'}:5: not well-formed XML: no element found")
     assert [one.name for one in tmp_path.iterdir()] == ["robot.urdf"]
 
 

@@ -189,6 +189,13 @@ def test_bullets_own_scaling_is_taken_away(tmp_path):
     assert b'<contact><lateral_friction value="1"/></contact>' in after.model.data
 
 
+def test_a_scaling_inside_of_another_goes_with_it(tmp_path):
+    nested = '<inertia_scaling value="3"><inertia_scaling value="2"/></inertia_scaling>'
+    _, after, _, _ = mend(tmp_path, arm(inside=f"<contact>{nested}</contact>"))
+    assert b"<contact></contact>" in after.model.data
+    assert wrong(after) == {}
+
+
 TURNED = '<inertial mass="2" pos="0 0 1" euler="30 20 10" diaginertia="1 2 2.5"/>'
 SHAPED = '<compiler angle="radian" inertiafromgeom="true" meshdir="m"/>'
 
