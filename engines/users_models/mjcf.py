@@ -179,6 +179,7 @@ class _Reader:
                 pose=frame.then(_pose(element, self.compiler)),
                 moves=_has(element, "joint", "freejoint"),
                 by_shapes=by_shapes,
+                makes_others=_has(element, *MAKERS),
                 span=element.span if element.file == self.file else (0, 0),
             )
         )

@@ -97,6 +97,8 @@ class Link:
     pose : pose of the link's frame in the parent's frame
     moves : whether a joint lets the link move relative to its parent
     by_shapes : whether engines compute the link's inertia from its shapes, which is not done here
+    makes_others : whether it has an element, such as `attach`, that makes bodies; these are not
+        read, and may be welded to it
     shapes : shapes by which a URDF's link is drawn and collides
     span : span of the link's element in the model's own file; (0, 0) if it is in an included file,
         and for USD
@@ -110,6 +112,7 @@ class Link:
     pose: Pose
     moves: bool
     by_shapes: bool = False
+    makes_others: bool = False
     shapes: tuple[Shape, ...] = ()
     span: Span = (0, 0)
     joint: Span = (0, 0)
@@ -218,12 +221,16 @@ class RigidBody:
 
     @property
     def unread(self) -> str:
-        """A sentence on the links whose inertia is that of their shapes; empty if there are none.
+        """A sentence on what of the body is not read; empty if all is.
 
-        Engines compute such an inertia; it is not read from the file.
+        It is about links whose inertia is that of their shapes, which engines compute, and about
+        bodies that elements such as `attach` make.
         """
-        names = [link.name for link, _ in self.parts if link.by_shapes]
-        return f"the inertia of {', '.join(names)} is that of its shapes, not read" if names else ""
+        by_shapes = ", ".join(link.name for link, _ in self.parts if link.by_shapes)
+        if by_shapes:
+            return f"the inertia of {by_shapes} is that of its shapes, not read"
+        makers = ", ".join(link.name for link, _ in self.parts if link.makes_others)
+        return f"bodies made in {makers}, as by <attach>, are not read" if makers else ""
 
     @property
     def stated(self) -> Stated | None:

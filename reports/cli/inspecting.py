@@ -240,7 +240,8 @@ def record(inspection: Inspection) -> dict[str, Any]:
             "mass": {"stated": stated_mass(inspection), "added": added_masses(inspection)},
             "refused": {" ".join(who): reason for who, reason in inspection.refusals.items()},
             "composed": [
-                {"link": body.host.name, "welded": list(body.welded)} | _body_record(body.stated)
+                {"link": body.host.name, "welded": list(body.welded)}
+                | _body_record(None if body.unread else body.stated)
                 for body in inspection.composed
             ],
             "notes": list(inspection.model.notes),

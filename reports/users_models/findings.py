@@ -19,7 +19,7 @@ FINE, NOTHING = "ok", "–"
 LEGEND = (
     "ok: as in the file. Other cells: the largest relative difference of mass, com and tensor, and "
     "how far the attitude is off after tumbling for 1 s. fused: part of the body, or of the world, "
-    "that it is fixed to."
+    "that it is fixed to. unread: the body has parts that were not read."
 )
 #: Advice on wrong bodies that holds for any engine, by the word for the cause (`LinkReading.kind`).
 IN_ANY_ENGINE = {
@@ -285,8 +285,8 @@ def _of_differences(inspection: Inspection) -> Iterator[Finding]:
 
 def cell_text(reading: LinkReading) -> str:
     """Return the text of a table cell, which says how well an engine holds a link (`LEGEND`)."""
-    if reading.kind == "refused":
-        return "refused"
+    if reading.kind in ("refused", "unread"):
+        return reading.kind
     if reading.agrees is None:
         if reading.body is None and reading.cause:
             return "fused"

@@ -65,9 +65,10 @@ class LinkReading:
         with another
     agrees : whether the body is the one that the file states; None if they cannot be compared
     cause : in words, how the body differs and why, or why it cannot be compared; empty if it agrees
-    kind : the cause in a word: "refused" if the engine refused the file, "nothing stated" if the
-        file states no body, "sum" if the sum of fused links is wrong, else the word that
-        `compare.cause` returns; empty if the body agrees or cannot be compared
+    kind : the cause in a word: "refused" if the engine refused the file, "unread" if the body has
+        parts that were not read from the file, "nothing stated" if the file states no body, "sum"
+        if the sum of fused links is wrong, else the word that `compare.cause` returns; empty if the
+        body agrees or if there is nothing to compare it with
     fused : names of the links that the engine has fused with this one
     expected : the body that the file states for this link and those fused with it; None if it
         states none, or if the engine holds no body
@@ -324,6 +325,8 @@ def _link_reading(
             return LinkReading(*who, got, True, fused=others)
         return LinkReading(*who, got, False, unstated_body(got), "nothing stated", others)
     apart, kind, sentence = compared(stated, got, whole, configuration.made_up)
+    if kind and whole.unread:
+        return LinkReading(*who, got, None, whole.unread, "unread", others)
     if others and kind in ("other", "turned", "rotation lost"):
         kind, sentence = "sum", f"the sum of its fused parts is wrong: {sentence}"
     angles = attitude_apart(stated.inertia_com, got.inertia_com, np.array(TIMES))

@@ -1,6 +1,7 @@
 """The command 'inspect' on real engines: output and exit code."""
 
 import json
+import re
 from types import SimpleNamespace
 
 import pytest
@@ -142,6 +143,34 @@ def test_fused_links_are_compared_with_the_sum_of_their_parts(tmp_path):
     assert (whole["agrees"], whole["fused"], whole["mass"]) == (True, ["tool"], 4)
     assert held_of(record, "tool", "as-is")["cause"] == "fused with 'arm'"
     assert held_of(record, "base", "as-is")["cause"] == "fused with the world: it cannot move"
+
+
+@each_case(
+    ("part", "unread"),
+    [
+        (
+            '<frame pos="1 0 0"><attach model="t" body="arm" prefix="t-"/></frame>',
+            "bodies made in arm, as by <attach>, are not read",
+        ),
+        (
+            '<body name="tool" pos="1 0 0"><geom size="0.1"/></body>',
+            "the inertia of tool is that of its shapes, not read",
+        ),
+    ],
+)
+def test_what_is_fused_with_unread_parts_is_not_compared(tmp_path, part, unread):
+    one = '<inertial mass="1" pos="0 0 0" diaginertia="1 1.1 1.2"/>'
+    written(tmp_path, body(one), "tool.xml")
+    head = '<compiler fusestatic="true"/><asset><model name="t" file="tool.xml"/></asset>'
+    path = written(tmp_path, body(f"<freejoint/>{one}{part}", head), "robot.xml")
+    record = records(path, "--engine", "mujoco")
+    fused, alone = (held_of(record, "arm", name) for name in ("as-is", "unfused"))
+    assert (fused["agrees"], fused["cause"], alone["agrees"]) == (None, unread, True)
+    ended = inspect(path, "--engine", "mujoco")
+    assert re.search(r"arm +1 +unread +ok", ended.stdout)
+    assert ended.exit_code == 0
+    with pytest.raises(Complaint, match=f"left out: arm: {unread}"):
+        command.import_scenes(path, tmp_path / "scenes", ())
 
 
 def test_a_sum_that_an_engine_gets_wrong_is_reported(tmp_path, monkeypatch):
