@@ -56,8 +56,10 @@ def link_scenes(model: ModelFile, folder: Path) -> Iterator[LinkScene]:
         to it
     """
     taken: list[str] = []
-    # The relative path may need `..`, which `Path.relative_to` writes only from Python 3.12 on.
-    file = Path(os.path.relpath(model.folders.own / model.path.name, folder)).as_posix()
+    # The relative path may need `..`, which `Path.relative_to` writes only from Python 3.12 on;
+    # after a symbolic link, that is the folder above the one to which the link leads.
+    path = model.folders.own.resolve() / model.path.name
+    file = Path(os.path.relpath(path, folder.resolve())).as_posix()
     for body in rigid_bodies(model.links):
         name, stated = file_name(body.host.name, taken), body.stated
         taken.append(name)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from library_scenes import library_scene
 from spincheck.engines import engines
-from spincheck.engines.users_models import read_model
+from spincheck.engines.users_models import read_model, users_link
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.choosing import _applying
 from spincheck.reports.cli.inspecting import import_scenes
@@ -115,6 +115,18 @@ def test_a_scene_that_is_there_is_not_written_over(tmp_path):
     assert Path(line).read_text(encoding="utf-8") == "mine"
     # Nor is anything else written then.
     assert [path.name for path in Path(line).parent.iterdir()] == ["arm.toml"]
+
+
+def test_a_scene_finds_its_model_from_where_symbolic_links_lead(tmp_path):
+    """A link to the folder of the scenes, and one in the path of the model."""
+    (tmp_path / "a/b/scenes").mkdir(parents=True)
+    (tmp_path / "to-scenes").symlink_to(tmp_path / "a/b/scenes")
+    written(tmp_path, arm(), "a/b/robot.urdf")
+    for model in ("a/b/robot.urdf", "to-scenes/../robot.urdf"):
+        for out in ("to-scenes/x", "other/x"):
+            line, _ = import_scenes(tmp_path / model, tmp_path / out, ())
+            assert users_link(load(line)).model.data == arm().encode()
+            Path(line).unlink()
 
 
 def test_an_origin_is_given_whole(tmp_path):
