@@ -4,7 +4,7 @@
 crash it, and it does not keep the elements' places in the file.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -27,6 +27,8 @@ CHANGING = {
     "balanceinertia": "replaces the moments of tensors that no body has by their mean",
     "settotalmass": "scales all masses and tensors",
 }
+#: The same in a URDF. In an MJCF this option is common, and its bodies are read as those of shapes.
+CHANGING_URDF = CHANGING | {"inertiafromgeom": "computes masses and tensors from shapes"}
 #: Least angle between the two axes of `xyaxes`, rad: with a smaller one, rounding would decide.
 LEAST_ANGLE = 1e-9
 
@@ -48,7 +50,7 @@ def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tup
         twice, or if `files` refuses a file or the number of elements.
     """
     files.check(root)
-    reader = _Reader(root.file, _compiler(root), notes=changing_options(root))
+    reader = _Reader(root.file, _compiler(root), notes=changing_options(root, CHANGING))
     for world in root.all("worldbody"):
         reader.read(world, "", Pose())
     if not reader.links:
@@ -56,18 +58,19 @@ def read_mjcf(root: Element, files: CheckedFiles) -> tuple[tuple[Link, ...], tup
     return tuple(reader.links), tuple(reader.notes)
 
 
-def changing_options(root: Element) -> list[str]:
+def changing_options(root: Element, options: Mapping[str, str]) -> list[str]:
     """Return a sentence on each option that makes MuJoCo's bodies differ from the file's.
 
     Parameters
     ----------
     root : the element `mujoco` of an MJCF, or inside a URDF
+    options : what each such option does, in words, by the option's name
     """
     return [
         f"{element.where}: MuJoCo's option {key}={shown(element.attributes[key])} {does}; without "
         "it MuJoCo holds what the file states"
         for element in root.all("compiler")
-        for key, does in CHANGING.items()
+        for key, does in options.items()
         if _is_set(element, key)
     ]
 
@@ -75,7 +78,7 @@ def changing_options(root: Element) -> list[str]:
 def _is_set(element: Element, key: str) -> bool:
     """Whether the option `key` of the compiler is on: its value is `true`, or a number above 0."""
     value = element.attributes.get(key, "false")
-    return value == "true" or (value != "false" and element.numbers(key, 1)[0] > 0)
+    return value == "true" or (value not in ("false", "auto") and element.numbers(key, 1)[0] > 0)
 
 
 @dataclass(frozen=True)

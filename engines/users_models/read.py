@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...scenarios import Scenario, printable
 from ..checks.read_back import EngineError, UnsupportedError
-from .mjcf import changing_options, read_mjcf
+from .mjcf import CHANGING_URDF, changing_options, read_mjcf
 from .mjcf_files import CheckedFiles
 from .model_file import Folders, Link, ModelFile, Pose, RigidBody, Stated, rigid_bodies
 from .urdf import urdf_links
@@ -46,7 +46,8 @@ def read_model(path: str | Path, packages: tuple[tuple[str, Path], ...] = ()) ->
                 element.refuse("<include> has no place in a URDF; expand the file first")
         links = urdf_links(root)
         notes += _scaled(root) + _missing_meshes(links, folders, path)
-        notes += [one for inner in root.all("mujoco") for one in changing_options(inner)]
+        for inner in root.all("mujoco"):
+            notes += changing_options(inner, CHANGING_URDF)
         return ModelFile(path, data, "urdf", links, tuple(notes), folders)
     if root.tag == "sdf":
         root.refuse("SDF is not read; convert it to URDF or MJCF")

@@ -51,6 +51,7 @@ def test_a_version_of_xml_that_there_is_not_is_read_as_engines_read_it(tmp_path)
 
 MESH_OUTSIDE = '<collision><geometry><mesh filename="../outside.stl"/></geometry></collision>'
 SCALED = '<contact>\n<inertia_scaling value="3.0"/></contact>'
+FROM_SHAPES = '<mujoco><compiler inertiafromgeom="{}"/></mujoco>'
 BROKEN = "this XML declaration breaks the standard; engines read over it, standard parsers refuse"
 #: Texts, and what is noted about them.
 NOTED = [
@@ -63,6 +64,11 @@ NOTED = [
         "FILE:3: Bullet multiplies the tensor of <link name='a'> by this <inertia_scaling>; no "
         "other engine does",
     ),
+    (
+        robot(FROM_SHAPES.format("true"), link("a")),
+        "FILE:2: MuJoCo's option inertiafromgeom='true' computes masses and tensors from shapes; ",
+    ),
+    (robot(FROM_SHAPES.format("auto"), link("a")), None),
     (
         robot(link("a", MESH_OUTSIDE)),
         "FILE: 1 of 1 collision meshes are not inside the model's folders, the first is "
