@@ -5,11 +5,20 @@ from typing import Annotated
 
 import typer
 
-from .options import AsJson, Engines
+from .options import AsJson
 from .terminal import AGREES, DISAGREES, Complaint, to_json
 
 app = typer.Typer()
 
+Readers = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--engine",
+        metavar="ENGINE",
+        help="Only this engine, which must read model files, or a version of it, 'mujoco@3.3.7'; "
+        "may be repeated. If left out, MuJoCo and PyBullet.",
+    ),
+]
 Packages = Annotated[
     list[str] | None,
     typer.Option(
@@ -21,7 +30,7 @@ Packages = Annotated[
 @app.command(epilog="Example: spincheck inspect robot.urdf --json")
 def inspect(
     files: Annotated[list[Path], typer.Argument(metavar="FILE", help="URDF, MJCF or USD.")],
-    engine: Engines = None,
+    engine: Readers = None,
     package_path: Packages = None,
     mend: Annotated[
         Path | None,

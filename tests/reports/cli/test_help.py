@@ -4,6 +4,7 @@ import re
 
 import pytest
 from case_loops import each_case
+from spincheck.engines.model_readers import model_readers
 from spincheck.reports.cli.app import app
 from spincheck.reports.cli.choosing import choose
 from spincheck.reports.cli.grouped import GROUPS
@@ -40,6 +41,13 @@ def test_every_command_has_an_example_and_says_which_options_may_be_repeated(nam
     ]
     assert [p.opts for p in options if p.multiple and "repeated" not in p.help] == []
     assert not re.search(r"<\w", usage), "a type of Python's"
+
+
+def test_inspect_offers_no_engines_that_it_refuses():
+    offered = re.findall(r"'(\S+?)'", " ".join(printed("inspect", "--help").split()))
+    engines = [one for one in offered if not one.startswith("-")]
+    assert engines == ["mujoco@3.3.7"]
+    assert engines[0].partition("@")[0] in model_readers()
 
 
 def test_shells_complete_commands(monkeypatch):
