@@ -26,13 +26,16 @@ class Advice:
     line : XML to be put into the file; empty if the advice is to do something else
     is_mended : whether newer versions of the engine no longer need the advice
     concerns : for a refused file, the links that the advice is about: "impossible" if their mass or
-        tensor is, "massless" if they move and lack a mass or a tensor. Empty for a wrong body
+        tensor is, "massless" if they move and lack a mass or a tensor, "small" if their mass or a
+        principal moment is below `least`. Empty for a wrong body
+    least : the smallest mass, kg, and principal moment, kg m², that the engine takes
     """
 
     text: str
     line: str = ""
     is_mended: bool = False
-    concerns: Literal["", "impossible", "massless"] = ""
+    concerns: Literal["", "impossible", "massless", "small"] = ""
+    least: float = 0.0
 
 
 @dataclass(frozen=True)

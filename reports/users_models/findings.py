@@ -241,10 +241,20 @@ def _is_massless(one: InspectedLink) -> bool:
     return lacks and all(problem.kind == "zero tensor" for problem in one.problems)
 
 
-#: By each word of `Advice.concerns`, the function that says whether a link is concerned.
-_CONCERNED: dict[str, Callable[[InspectedLink], bool]] = {
-    "impossible": lambda one: not one.is_possible and not _is_massless(one),
-    "massless": _is_massless,
+def _is_small(one: InspectedLink, least: float) -> bool:
+    """Whether a link's possible mass, kg, or a principal moment, kg m², is below `least`."""
+    stated = one.link.stated
+    if stated is None or not stated.is_physical or not one.is_possible:
+        return False
+    return min(stated.mass, float(principal_moments(stated.inertia_com)[0])) < least
+
+
+#: By each word of `Advice.concerns`, the function that says whether a link is concerned. Its second
+#: argument is `Advice.least`.
+_CONCERNED: dict[str, Callable[[InspectedLink, float], bool]] = {
+    "impossible": lambda one, _: not one.is_possible and not _is_massless(one),
+    "massless": lambda one, _: _is_massless(one),
+    "small": _is_small,
 }
 
 
@@ -258,7 +268,7 @@ def _of_refusals(inspection: Inspection) -> Iterator[Finding]:
         each = next((each for phrase, each in refusals.items() if phrase in reason), ())
         for advice in each:
             concerned = _CONCERNED[advice.concerns]
-            links = tuple(one.link.name for one in inspection.links if concerned(one))
+            links = tuple(one.link.name for one in inspection.links if concerned(one, advice.least))
             if links or len(each) == 1:
                 yield Finding((f"{engine} {configuration}",), links, advice.text, advice.line)
 

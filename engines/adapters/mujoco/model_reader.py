@@ -20,6 +20,14 @@ MASSLESS = Advice(
     '<mujoco><compiler boundmass="1e-6" boundinertia="1e-9"/></mujoco>',
     concerns="massless",
 )
+#: MuJoCo's mjEPS, the least eigenvalue of a full tensor; of other numbers, mjMINVAL is the least.
+LEAST = 1e-14
+SMALL = Advice(
+    f"state larger masses and tensors: MuJoCo takes none below {LEAST:g} kg or kg m², though a "
+    "body may have them",
+    concerns="small",
+    least=LEAST,
+)
 FUSED = Advice(
     "keep links from being fused",
     '<mujoco><compiler fusestatic="false"/></mujoco>',
@@ -44,8 +52,8 @@ class MuJoCoModelReader(ModelReader):
     refusals = MappingProxyType(
         {
             "A + B >= C": (IMPOSSIBLE,),
-            "positive eigenvalues": (IMPOSSIBLE,),
-            "mjMINVAL": (MASSLESS, IMPOSSIBLE),
+            "positive eigenvalues": (IMPOSSIBLE, SMALL),
+            "mjMINVAL": (MASSLESS, IMPOSSIBLE, SMALL),
         }
     )
 

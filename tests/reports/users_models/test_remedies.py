@@ -84,6 +84,20 @@ def test_no_option_hides_a_mass_that_no_body_has(tmp_path, mass):
     assert (remedy.text, remedy.names, remedy.line) == (CORRECT, ("arm",), "")
 
 
+@pytest.mark.parametrize(
+    ("mass", "moments", "factor"), [("1e-6", (3e-16, 3e-16, 5e-16), 1e3), ("1e-16", (1, 1, 1), 1)]
+)
+def test_what_is_too_small_for_an_engine_is_not_called_impossible(tmp_path, mass, moments, factor):
+    inspection = inspected(tmp_path, arm(diagonal(*moments), mass))
+    assert all(one.is_possible for one in inspection.links)
+    (remedy,) = remedies_of(inspection, "mujoco as-is")
+    assert remedy.names == ("arm",)
+    assert remedy.text.startswith("state larger masses and tensors: MuJoCo takes none below 1e-14 ")
+    # As advised, MuJoCo takes them.
+    larger = arm(diagonal(*(factor * moment for moment in moments)), str(1e3 * float(mass)))
+    assert ("mujoco", "as-is") not in inspected(tmp_path, larger).refusals
+
+
 # From 4.0.0 on, MuJoCo warns of the option.
 @pytest.mark.filterwarnings("ignore:compiler attribute 'settotalmass' is deprecated")
 def test_a_tensor_scaled_as_a_whole_moves_alike_and_the_option_that_scales_it_is_named(tmp_path):
