@@ -58,6 +58,13 @@ def test_a_com_is_measured_by_the_radius_of_gyration():
     assert apart.com == pytest.approx(0.1)
 
 
+def test_a_radius_of_gyration_that_overflows_hides_no_other_difference():
+    """Without a warning of NumPy's, which tests turn into errors."""
+    tiny = stated(mass=1e-320)
+    assert difference(tiny, tiny).worst == 0
+    assert difference(tiny, BodyReading(2e-320, NO_COM, MOMENTS)).mass == pytest.approx(1)
+
+
 ZERO = BodyReading(2.0, NO_COM, np.zeros((3, 3)))
 TURNED = BodyReading(2.0, NO_COM, turned(MOMENTS, TILT))
 IMPOSSIBLE = FileProblem("triangle inequality", "0.1 + 0.3 < 0.9: no body has it")
