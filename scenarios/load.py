@@ -196,8 +196,8 @@ def _check_origin(scenario: Scenario) -> None:
         raise Misfit(f"{where}: cannot be read: {error.strerror}", "body", "model") from None
     if digest != body.sha256:
         raise Misfit(
-            f"'{body.model}' has changed since this scene was made of it: its sha256 is {digest}; "
-            "import it again, or take 'model', 'link' and 'sha256' away",
+            f"'{body.model}' has changed since this scene was made of it; import it again, or take "
+            "'model', 'link' and 'sha256' away",
             *("body", "sha256"),
         )
 

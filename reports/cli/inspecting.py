@@ -312,20 +312,18 @@ def import_scenes(file: Path, out: Path, links: Sequence[str]) -> list[str]:
     with as_complaint(ModelFileError):
         model = read_model(file)
     if unknown := [link for link in links if link not in {one.name for one in model.links}]:
-        raise Complaint(f"{file}: there is no link '{unknown[0]}'")
+        raise Complaint(printable(f"{file}: there is no link '{unknown[0]}'"))
     scenes = list(link_scenes(model, out.absolute()))
     wanted = [s for s in scenes if not links or {s.link, *s.welded}.intersection(links)]
     if not any(scene.text for scene in wanted):
         why = f"'{links[0]}' is welded to another and has no inertia of its own" if links else ""
         if wanted:
             why = "; ".join(_left_out(wanted))
-        raise Complaint(f"{file}: no link makes a scene; {why}")
+        raise Complaint(printable(f"{file}: no link makes a scene; {why}"))
     paths = {out / f"{scene.name}.toml": scene for scene in wanted if scene.text}
     if there_already := [path for path in paths if path.exists()]:
-        raise Complaint(
-            f"{there_already[0]}: a scene of that name exists already; remove it, "
-            "or give another '--out'"
-        )
+        words = "a scene of that name exists already; remove it, or give another '--out'"
+        raise Complaint(printable(f"{there_already[0]}: {words}"))
     lines = []
     with written(out):
         out.mkdir(parents=True, exist_ok=True)

@@ -1,5 +1,6 @@
 """The command 'import': scenes of links, what was left out, and the file they are from."""
 
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -104,6 +105,16 @@ def test_a_link_without_a_scene_is_a_complaint(tmp_path, text, links, message):
         imported(tmp_path, text, links)
 
 
+def test_complaints_have_paths_on_one_line(tmp_path):
+    odd = written(tmp_path, arm(), "robot\nall is well.urdf")
+    plain, out = written(tmp_path, arm()), tmp_path / "scenes\nall is well"
+    import_scenes(plain, out, ())
+    for file, links in ((odd, ("leg",)), (odd, ()), (plain, ())):
+        with pytest.raises(Complaint, match=r"(robot|scenes)\\nall is well") as raised:
+            import_scenes(file, out, links)
+        assert "\n" not in str(raised.value)
+
+
 def test_a_scene_that_is_there_is_not_written_over(tmp_path):
     _, (line, _) = imported(tmp_path, arm())
     Path(line).write_text("mine", encoding="utf-8")
@@ -147,7 +158,10 @@ def test_a_model_that_changed_or_is_gone_is_an_error_that_says_so(tmp_path):
     ended = CliRunner().invoke(app, ["run", line, "--out", str(tmp_path / "results.sqlite")])
     assert isinstance(ended.exception, Complaint)
     assert ended.exception.exit_code == 2
-    assert "'../robots/robot.urdf' has changed since this scene was made" in str(ended.exception)
+    message = str(ended.exception)
+    assert "'../robots/robot.urdf' has changed since this scene was made" in message
+    # A scene may name any file: what its bytes are is not told.
+    assert sha256(path.read_bytes()).hexdigest() not in message
     path.unlink()
     with pytest.raises(ScenarioError, match=r"\[body\] model: .*robot\.urdf: cannot be read"):
         load(line)
