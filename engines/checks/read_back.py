@@ -179,7 +179,7 @@ class Difference:
 
 
 def differences(
-    scenario: Scenario, reading: BodyReading, state: State, slack: float
+    scenario: Scenario, reading: BodyReading, state: State, slack: float, length: float = 0.0
 ) -> list[Difference]:
     """Return the quantities of body and start that differ between the engine and the scene.
 
@@ -187,6 +187,8 @@ def differences(
     ----------
     reading, state : the body and the state, read back from the engine before the first step
     slack : allowed difference, relative to the size of each quantity; of the attitude, rad
+    length : a size of the body, m: differences of the com are relative to it if the com is closer
+        to the origin
 
     Returns
     -------
@@ -195,7 +197,7 @@ def differences(
     """
     differing = []
     steiner = OF_ORIGIN * scenario.body.mass * float(scenario.body.com @ scenario.body.com)
-    for what, got, wanted, size in _pairs(scenario, reading, state):
+    for what, got, wanted, size in _pairs(scenario, reading, state, length):
         largest = float(np.abs(np.subtract(got, wanted)).max())
         if not largest <= slack * (size + (steiner if what == "inertia_com" else 0.0)):
             relative = largest / size if size else np.inf
@@ -278,15 +280,16 @@ def start_state(scenario: Scenario) -> State:
 
 
 def _pairs(
-    scenario: Scenario, reading: BodyReading, state: State
+    scenario: Scenario, reading: BodyReading, state: State, length: float
 ) -> Iterator[tuple[str, FloatArray, FloatArray, float]]:
     """Yield four values for each quantity that is read back, except the attitude.
 
     The values are the quantity's name, the engine's value, the scene's value, and the size that the
-    tolerance is relative to. `reading` and `state` are body and start as the engine holds them.
+    tolerance is relative to. `reading` and `state` are body and start as the engine holds them;
+    `length`, m, is the least size of the com.
     """
     body, start = scenario.body, start_state(scenario)
-    arm = float(np.linalg.norm(body.com))
+    arm = max(length, float(np.linalg.norm(body.com)))
     speed = float(np.linalg.norm(start.omega_body))
     # The size of the tensor is that about the com: about an origin far from the com it is much
     # larger, and faults of the tensor about the com would not exceed the tolerance.

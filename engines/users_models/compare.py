@@ -55,10 +55,7 @@ def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
     stated, got : the body that the file states, and the engine's
     """
     inertia = stated.inertia_com
-    # For a tiny mass the radius of gyration may overflow to infinity.
-    with np.errstate(over="ignore"):
-        gyration = np.sqrt(abs(np.trace(inertia)) / (2 * abs(stated.mass))) if stated.mass else 0.0
-    arm = max(float(gyration), float(np.linalg.norm(stated.com)))
+    arm = max(radius_of_gyration(stated), float(np.linalg.norm(stated.com)))
     return BodyDifference(
         mass=_relative(abs(got.mass - stated.mass), abs(stated.mass)),
         com=_relative(float(np.linalg.norm(got.com - stated.com)), arm),
@@ -67,6 +64,15 @@ def difference(stated: BodyReading, got: BodyReading) -> BodyDifference:
         ),
         axes_deg=float(np.degrees(angle_between_axes(inertia, got.inertia_com))),
     )
+
+
+def radius_of_gyration(body: BodyReading) -> float:
+    """Return the radius of gyration of a body about its com, m; 0 if it has no mass."""
+    if not body.mass:
+        return 0.0
+    # For a tiny mass it may overflow to infinity.
+    with np.errstate(over="ignore"):
+        return float(np.sqrt(abs(np.trace(body.inertia_com)) / (2 * abs(body.mass))))
 
 
 def _relative(value: float, size: float) -> float:

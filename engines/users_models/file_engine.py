@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 from ...scenarios import Scenario
-from ..checks.read_back import BodyReading, Difference, EngineError, State
+from ..checks.read_back import BodyReading, Difference, EngineError, State, differences, stated_body
 from ..engine import Engine
-from .compare import AGREES, compared
+from .compare import AGREES, compared, radius_of_gyration
 from .model_file import Format, ModelFile, Stated
 from .read import users_link
 
@@ -142,7 +142,9 @@ class FileEngine(Engine):
         Differences of mass, com and inertia are joined into one `Difference`, which is worded as by
         the command `inspect`.
         """
-        differing = super().differences(scenario, method, body, state)
+        # The com of symmetric parts is zero but for rounding.
+        length = radius_of_gyration(stated_body(scenario))
+        differing = differences(scenario, body, state, self.slack, length)
         others = [one for one in differing if one.what not in OF_BODY]
         if len(others) == len(differing):
             return differing
@@ -153,6 +155,8 @@ class FileEngine(Engine):
         stated = Stated(numbers.mass, numbers.com, numbers.inertia_com, unturned=unturned)
         made_up = {one.name: one.made_up for one in self.reader.configurations}.get(method, "")
         apart, _, words = compared(stated, body, users.body, made_up)
+        if not words:
+            return others
         found = _OtherBody("body", stated.inertia_com, body.inertia_com, apart.worst, words)
         return [found, *others]
 

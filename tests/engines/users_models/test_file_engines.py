@@ -8,6 +8,7 @@ import pytest
 from case_loops import each_case
 from library_scenes import library
 from spincheck.engines import engines
+from spincheck.engines.checks.read_back import BodyReading, start_state, stated_body
 from spincheck.engines.users_models import AGREES, MESHES, RigidBody, read_model
 from spincheck.engines.users_models import read as of_scene
 from spincheck.engines.users_models.model_file import Pose
@@ -114,6 +115,17 @@ WELDED = robot(
     joint("tool", "tip", "fixed", '<origin xyz="0.2 0.1 -0.1" rpy="0.4 -0.7 1.1"/>'),
     joint("arm", "wheel"),
 )
+#: Three tools in a ring about the arm's origin, so that the com is zero but for rounding.
+RING = robot(
+    link("base"),
+    link("arm", inertial(tensor=diagonal(0.03, 0.04, 0.05), origin="")),
+    joint("base", "arm"),
+    *(
+        link(f"tool{k}", inertial(origin='<origin xyz="0.1 0 0"/>'))
+        + joint("arm", f"tool{k}", "fixed", f'<origin rpy="0 0 {2 * np.pi * k / 3!r}"/>')
+        for k in range(3)
+    ),
+)
 #: The same arm and tool in MJCF, with a hinged body on the tool.
 NESTED = """<mujoco><option timestep="0.01"/><worldbody><body name="arm"><freejoint/>
 <body name="tool" pos="0.1 0.2 -0.1" euler="20 30 40">
@@ -134,7 +146,7 @@ INCLUDED = body('<inertial mass="2" pos="0 0 0" diaginertia="1 2 2.5"/>')
         *(
             (name, text, "robot.urdf")
             for name in FILE_ENGINES
-            for text in (arm(inside=BOX), WELDED)
+            for text in (arm(inside=BOX), WELDED, RING)
         ),
         *(("mujoco-file", text, "robot.xml") for text in (HUNG, NESTED, INCLUDING)),
     ],
@@ -156,10 +168,20 @@ def test_a_body_moves_as_its_numbers_and_those_of_what_is_welded_to_it_say(
     assert off <= (AGREES if text is HUNG else STEPS[-1] * turn**2)
     # Planted: the engine is given the host without what is welded to it.
     short = re.sub("(?m)^welded = .*$", "welded = []", scenario.text)
-    assert (short != scenario.text) == (text in (WELDED, NESTED))
+    assert (short != scenario.text) == (text in (WELDED, RING, NESTED))
     if short != scenario.text:
         done = run(name, load(written(tmp_path, short, "scenes/short.toml")))
         assert done.outcome == "failed"
+
+
+@each_case(("off", "count"), [(1.2, 0), (2.0, 1)])
+def test_a_run_takes_the_bodies_that_inspect_takes(tmp_path, off, count):
+    """An entry off by more than the threshold of the largest moment, but less of the norm's √3."""
+    scenario = scene_of(tmp_path, arm(diagonal(0.03, 0.03, 0.03)))
+    body, engine = stated_body(scenario), engines()["mujoco-file"]
+    held = BodyReading(body.mass, body.com, body.inertia_com + np.diag([0, 0, off * AGREES * 0.03]))
+    found = engine.differences(scenario, "RK4", held, start_state(scenario))
+    assert len(found) == count
 
 
 def test_a_link_is_cut_out_byte_for_byte(tmp_path):
