@@ -58,7 +58,8 @@ class Explanation:
     verdict : a sentence on whether its errors are within noise, or within those of its method
     is_beyond : whether its errors are larger than noise, or than those of its method
     made_by : the known integrator that computed the motion, in words; empty if none is recognised
-    measured : the fit to all samples if the motion has noise, else None
+    measured : the fit to all samples if the motion has noise, else None; if a mistake in recording
+        is found, to the samples in which it is corrected
     is_open : whether part of the difference from the exact motion stays unexplained
     """
 
@@ -107,8 +108,12 @@ def _with_remainder(case: Case, found: Finding) -> Explanation:
     words = (*found.words, *of_remainder)
     made_by = remainder.made_by if remainder and found.is_all else ""
     is_open = remainder is not None and remainder.is_open
-    verdict = _verdict(case.physics, is_beyond, is_explained=True)
-    return Explanation(words, verdict, is_beyond, made_by, is_open=is_open)
+    measured = remainder.measured if remainder and found.is_all else None
+    if measured and is_beyond:
+        verdict = f"as it is recorded, beyond its noise; corrected, it is {measured.verdict}"
+    else:
+        verdict = _verdict(case.physics, is_beyond, is_explained=True)
+    return Explanation(words, verdict, is_beyond, made_by, measured, is_open)
 
 
 def _by_equations(case: Case) -> Explanation:

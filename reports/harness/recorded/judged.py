@@ -58,7 +58,8 @@ class JudgedMotion:
     explained_by : sentences on the mistakes in recording, or the other physics, that explain why
         the motion is not the exact one
     made_by : the known integrator that computed the motion, in words; empty if none is recognised
-    measured : the fit of the exact motion to all samples if the motion has noise, else None
+    measured : the fit of the exact motion to all samples if the motion has noise, else None; to the
+        corrected samples if a mistake in recording is found
     remarks : sentences on how the file was read
     ignored : headings of the file that name no known quantity
     is_single : whether the motion was computed in single precision

@@ -53,6 +53,11 @@ def test_an_omega_far_out_of_scale_is_named_with_its_factor(name: str) -> None:
         assert said.endswith(f" times as large as the attitudes turn{words}")
         assert float(said.split()[2]) == pytest.approx(factor, rel=OMEGA)
         assert found.is_beyond
+        # The tensor is that of the corrected samples.
+        assert found.verdict.startswith(
+            "as it is recorded, beyond its noise; corrected, it is within"
+        )
+        assert found.measured is not None
 
 
 @pytest.mark.parametrize("name", SCENES)
