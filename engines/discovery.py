@@ -78,7 +78,7 @@ def _discover() -> tuple[dict[str, Engine], tuple[Missing, ...]]:
     for name in (*names, *foreign):
         try:
             there = _offered(name, foreign.get(name, ""))
-        # An engine's package may raise anything when it is imported; other engines are still found.
+        # One engine that cannot be asked hides no other.
         except (Exception, SystemExit) as error:
             absent.append(_missing(name.rpartition(".")[2], error))
             continue
@@ -101,7 +101,7 @@ def _offered(value: str, point: str) -> list[Engine | Missing]:
     """Return the engines that a module defines or finds, usable or not.
 
     If an entry point names something else than a module with engines, the list has one `Missing`
-    with this reason. Errors of importing the module are not caught.
+    with this reason; if the module cannot be imported, one with that reason.
 
     Parameters
     ----------
@@ -109,7 +109,14 @@ def _offered(value: str, point: str) -> list[Engine | Missing]:
     point : name of the entry point; empty for an adapter of spincheck
     """
     name, _, member = value.partition(":")
-    module = importlib.import_module(name)
+    try:
+        module = importlib.import_module(name)
+    except KeyboardInterrupt:
+        raise
+    # An engine's package may raise anything when it is imported: a panic of Rust's code is no
+    # `Exception`.
+    except BaseException as error:
+        return [_missing(value.rpartition(".")[2], error)]
     there = [*_engines_in(module), *_discovered_by(module)]
     if point and (member or not (there or "discovered" in vars(module))):
         rule = "must be a module that defines a complete subclass of spincheck.engine.Engine"

@@ -15,6 +15,7 @@ from ...scenarios import Scenario, did_you_mean
 from ..harness.choice import Choice
 from ..harness.executors import Executor, LocalWorkers
 from ..harness.timesteps.ladder import MOST_STEPS
+from .stopping import Stopped
 from .terminal import BAD_INPUT, NOT_RUN, Complaint, as_complaint, say
 
 
@@ -266,8 +267,11 @@ def _of_module(name: str) -> Engine:
     try:
         found = resolve_name(name)
         engine = found() if isinstance(found, type) else found
-    # An engine's package may raise anything when it is imported.
-    except (Exception, SystemExit) as error:
+    except (KeyboardInterrupt, Stopped):
+        raise
+    # An engine's package may raise anything when it is imported: a panic of Rust's code is no
+    # `Exception`.
+    except BaseException as error:
         raise Complaint(f"{before}{type(error).__name__}: {error}") from None
     if not isinstance(engine, Engine):
         raise Complaint(

@@ -234,6 +234,7 @@ UNUSABLE = {
             "RuntimeError: built for numpy 1": "raise RuntimeError('built for numpy 1')",
             "ZeroDivisionError: division by zero": "1 / 0",
             "SystemExit: 3": "import sys; sys.exit(3)",
+            "Panic: in Rust": "class Panic(BaseException): ...\nraise Panic('in Rust')",
         }.items()
     },
 }
@@ -276,6 +277,14 @@ def test_an_entry_point_of_no_engine_is_listed_with_what_is_wrong(
     assert (code, line in " ".join(out.split())) == (0, True)
     code, _, err = ended("run", "fast-top", "--engine", "another")
     assert (code, f"engine 'another' cannot be used: {RULE}" in " ".join(err.split())) == (3, True)
+
+
+def test_ctrl_c_while_engines_are_imported_is_no_fault_of_theirs(
+    install: Callable[..., None],
+) -> None:
+    install("raise KeyboardInterrupt")
+    with pytest.raises(KeyboardInterrupt):
+        discovery.engines()
 
 
 def test_a_module_that_finds_its_engines_itself_may_find_none(

@@ -26,6 +26,14 @@ def leave_politely() -> None:
     raise SystemExit(3)
 
 
+class Panic(BaseException):
+    """As a panic of Rust's code is in Python."""
+
+
+def throw(error: type[BaseException]) -> None:
+    raise error("thrown")
+
+
 def mark_and_wait(mark: Path, end: Path) -> None:
     """Make the first file, and wait until there is the second."""
     mark.touch()
@@ -46,6 +54,11 @@ def crash() -> None:
 def abort_after_c_printed(text: str) -> None:
     ctypes.CDLL(None).printf(text.encode())
     os.abort()
+
+
+def close_everything(seconds: float) -> None:
+    os.closerange(0, 256)
+    time.sleep(seconds)
 
 
 def leave_at_once(code: int) -> None:

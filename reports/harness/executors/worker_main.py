@@ -99,8 +99,9 @@ def _answer(request: bytes) -> bytes:
     try:
         call = pickle.loads(request)
         return pickle.dumps((True, call(), ""))
-    # `sys.exit` in a call is a failure of the call, not the end of the worker.
-    except (Exception, SystemExit) as error:
+    # `sys.exit`, or a panic of Rust's code, is a failure of the call, not the end of the worker. No
+    # exception stops a worker: it ignores Ctrl-C.
+    except BaseException as error:
         return pickle.dumps((False, error_in_words(error), cause_of(error)))
 
 

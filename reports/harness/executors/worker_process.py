@@ -13,6 +13,7 @@ import secrets
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import IO, Any
@@ -32,6 +33,8 @@ KEPT_OUTPUT = 4096
 PIPE_SIZE = 1 << 16
 #: Time to wait for the rest of the output after a call has answered, s.
 OUTPUT_WAIT = 5.0
+#: Time that a process which has closed its pipes is given to end by itself, s.
+END_WAIT = 1.0
 #: Environment variables that set the size of thread pools. Engines step in one thread; idle pools
 #: would only spin.
 THREAD_COUNTS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS")
@@ -160,6 +163,12 @@ class WorkerProcess:
     def printed(self) -> str:
         """Return what the call has printed; only the end if it is long."""
         return self._printed.replace(self._mark, b"").decode(errors="replace")
+
+    def ends_by_itself(self) -> bool:
+        """Wait `END_WAIT` s at most for the process to end; return whether it has ended."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(END_WAIT)
+        return not self.alive
 
     def kill(self) -> None:
         """Kill the process, from any thread; `end` must still be called."""

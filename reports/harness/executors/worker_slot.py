@@ -135,8 +135,10 @@ class WorkerSlot:
         return Answer(CallFailed(reason, overdue.cause), printed)
 
     def _died(self, worker: WorkerProcess) -> Answer[Any]:
-        """Return the answer of a call whose worker has died, and free the worker's pipes."""
-        how, cause = death(self._forget(worker))
+        """Return the answer of a call whose worker has died or closed its pipes; end the worker."""
+        ended = worker.ends_by_itself()
+        code = self._forget(worker)
+        how, cause = death(code) if ended else ("closed its pipes instead of answering", "crash")
         printed = worker.printed()
         return Answer(CallFailed(f"{_WORKER} {how}{last_line(printed)}", cause), printed)
 

@@ -59,6 +59,14 @@ class Mine(MuJoCo):
     name = "mine"
 
 not_one = 3
+
+class Panicking:
+    def __init__(self):
+        raise type("Panic", (BaseException,), {})("in Rust")
+
+class Interrupted:
+    def __init__(self):
+        raise KeyboardInterrupt
 """
 
 
@@ -72,12 +80,15 @@ def test_an_engine_of_ones_own_is_a_class_of_a_module_in_the_current_folder(
         assert names("module_of_mine:Mine") == {"mine"}
         for name, words in {
             "module_of_mine:not_one": "must be a subclass of spincheck.engine.Engine",
+            "module_of_mine:Panicking": "'--engine' module_of_mine:Panicking: Panic: in Rust",
             "module_of_mine:Yours": "has no attribute 'Yours'",
             "no_module_of_mine:Mine": "ModuleNotFoundError: No module named 'no_module_of_mine'",
             "module_of_mine.py": "or of your own MODULE:CLASS, got 'module_of_mine.py'",
         }.items():
             assert words in str(refused(name))
             assert refused(name).exit_code == BAD_INPUT
+        with pytest.raises(KeyboardInterrupt):
+            choose(["module_of_mine:Interrupted"], [], [])
     finally:
         engines().pop("mine", None)
 

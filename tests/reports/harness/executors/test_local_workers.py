@@ -61,6 +61,8 @@ def test_what_cannot_be_pickled_fails_the_call_alone(worker, call):
     [
         ((calls.crash,), "crash", "was killed by SIGSEGV"),
         ((calls.leave_at_once, 7), "crash", "ended with exit code 7"),
+        ((calls.close_everything, 0.0), "crash", "ended with exit code 1"),
+        ((calls.close_everything, FOREVER), "crash", "closed its pipes instead of answering"),
         # Through no fault of its own, twice.
         ((calls.killed_by, signal.SIGKILL), "killed", "was killed from outside by SIGKILL"),
     ],
@@ -68,6 +70,13 @@ def test_what_cannot_be_pickled_fails_the_call_alone(worker, call):
 def test_what_ended_a_worker_is_said_and_the_next_call_returns(worker, call, cause, end):
     assert failure(worker.call(*call)) == CallFailed(f"the worker process {end}", cause)
     assert worker.call(calls.power, 3).value == 9
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, calls.Panic])
+def test_what_is_no_exception_fails_the_call_alone(worker, error):
+    pid = worker.call(os.getpid).value
+    assert worker.call(calls.throw, error).value == CallFailed(f"{error.__name__}: thrown", "bug")
+    assert worker.call(os.getpid).value == pid
 
 
 def test_what_c_printed_last_is_reported_even_from_its_buffer_and_cut(worker):
