@@ -34,10 +34,13 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
     """
     chosen = _engine_of(engine, method)
     if not (
-        isinstance(timestep, int | float | np.floating) and 0 < timestep <= scenario.window.duration
+        isinstance(timestep, int | float | np.floating | np.integer)
+        and 0 < timestep <= scenario.window.duration
     ):
         longest = scenario.window.duration
         raise ValueError(f"'timestep' must be above 0 and at most {longest:g} s, got {timestep!r}.")
+    # Results are kept as JSON, which has no numbers of NumPy's.
+    timestep = float(timestep)
     choice = Choice((chosen,), (method,), (timestep,), timed=False)
     executor = _workers(os.getpid())
     with (

@@ -190,6 +190,14 @@ def test_runs_are_made_in_a_process_of_their_own_the_same_unless_one_was_interru
     assert len(workers) == 2
 
 
+@pytest.mark.processes
+@pytest.mark.parametrize("timestep", [np.float32(0.01), np.int64(1)])
+def test_a_timestep_may_be_a_number_of_numpy(timestep):
+    row = spincheck.run("fast-top", **ASKED | {"timestep": timestep})
+    assert row.outcome in ("ok", "diverged")
+    assert row.timestep == timestep
+
+
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
