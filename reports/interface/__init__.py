@@ -109,8 +109,8 @@ def gradients(
     Raises
     ------
     ValueError
-        If there is no such engine or method, or if the timestep or the window is not a finite
-        number above 0.
+        If there is no such engine or method, if the engine cannot load the scene's body, or if the
+        timestep or the window is not a finite number above 0.
     spincheck.scenarios.ScenarioError
         If there is no such scene, or it breaks a rule of the format.
     """
@@ -219,8 +219,8 @@ def run(scene: "Scene", *, engine: str, method: str, timestep: float) -> "Row":
     Raises
     ------
     ValueError
-        If there is no such engine or method, or the timestep is not above 0 or is longer than the
-        scene's window.
+        If there is no such engine or method, if the engine cannot load the scene's body, or if the
+        timestep is not above 0 or is longer than the scene's window.
     spincheck.scenarios.ScenarioError
         If there is no such scene, or it breaks a rule of the format.
     """

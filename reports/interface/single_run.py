@@ -29,10 +29,10 @@ def single_run(scenario: Scenario, engine: str, method: str, timestep: float) ->
     Raises
     ------
     ValueError
-        If there is no such engine or method, or the timestep is not above 0 or is longer than the
-        scene's window.
+        If there is no such engine or method, if the engine cannot load the scene's body, or if the
+        timestep is not above 0 or is longer than the scene's window.
     """
-    chosen = _engine_of(engine, method)
+    chosen = _engine_of(scenario, engine, method)
     if not (
         isinstance(timestep, int | float | np.floating | np.integer)
         and 0 < timestep <= scenario.window.duration
@@ -73,25 +73,26 @@ def judged_gradients(
     Raises
     ------
     ValueError
-        If there is no such engine or method, if the timestep or the window is not a finite number
-        above 0, or if the window is shorter than the timestep.
+        If there is no such engine or method, if the engine cannot load the scene's body, if the
+        timestep or the window is not a finite number above 0, or if the window is shorter than the
+        timestep.
     """
     for name, given in {"timestep": timestep, "window": window}.items():
         if given is not None and not 0 < given < float("inf"):
             raise ValueError(f"'{name}' must be above 0, got {given}.")
     if timestep and window and window < timestep:
         raise ValueError(f"'window' must be no shorter than 'timestep', got {window:g} s.")
-    of = _workers(os.getpid()), scenario, _engine_of(engine, method), method
+    of = _workers(os.getpid()), scenario, _engine_of(scenario, engine, method), method
     return [gradient_by(*of, derivative, timestep, window) for derivative in offered_by(*of)]
 
 
-def _engine_of(engine: str, method: str) -> Engine:
+def _engine_of(scenario: Scenario, engine: str, method: str) -> Engine:
     """Return the engine with a given name, after checking that it has the method.
 
     Raises
     ------
     ValueError
-        If there is no such engine or method.
+        If there is no such engine or method, or the engine cannot load the scene's body.
     """
     known = engines()
     if engine not in known:
@@ -100,6 +101,11 @@ def _engine_of(engine: str, method: str) -> Engine:
     methods = [one.name for one in known[engine].methods]
     if method not in methods:
         raise ValueError(f"'method' must be one of {', '.join(methods)}, got '{method}'.")
+    if not known[engine].applies_to(scenario):
+        raise ValueError(
+            f"'engine' {engine} loads links of users' files, and {scenario.name} names none; "
+            "'spincheck import FILE --out DIR' makes such scenes."
+        )
     return known[engine]
 
 

@@ -203,6 +203,7 @@ def test_a_timestep_may_be_a_number_of_numpy(timestep):
     [
         ({"engine": "mujocoo"}, "'engine' must be one of .*mujoco"),
         ({"method": "rk5"}, "'method' must be one of .*RK4"),
+        ({"engine": "mujoco-file"}, "'engine' mujoco-file loads .* and fast-top names none"),
         ({"timestep": 0.0}, "'timestep' must be above 0"),
         ({"timestep": "0.002"}, "'timestep' must be above 0 .*got '0.002'"),
     ],
