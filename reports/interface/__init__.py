@@ -42,21 +42,31 @@ def load(scene: "Scene", name: str = "scene") -> "Scenario":
     Raises
     ------
     spincheck.scenarios.ScenarioError
-        If there is no such scene, or it breaks a rule of the format.
+        If there is no such scene, if a folder has several, or if the scene breaks a rule of the
+        format.
     """
     from logging import getLogger
 
-    from spincheck.scenarios import Scenario, find, from_tables, hiding_the_library
+    from spincheck.scenarios import (
+        Scenario,
+        ScenarioError,
+        find,
+        from_tables,
+        hiding_the_library,
+        printable,
+    )
     from spincheck.scenarios import load as load_file
 
     if isinstance(scene, Scenario):
         return scene
     if isinstance(scene, Mapping):
         return from_tables(scene, name)
-    (path,) = find([str(scene)])
+    paths = find([str(scene)])
+    if len(paths) > 1:
+        raise ScenarioError(f"{printable(str(scene))}: takes one scene, this is {len(paths)}")
     for sentence in hiding_the_library([str(scene)]):
         getLogger("spincheck").warning("%s", sentence)
-    return load_file(path)
+    return load_file(paths[0])
 
 
 def exact(scene: "Scene") -> "ExactMotion":

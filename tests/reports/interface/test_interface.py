@@ -33,6 +33,8 @@ def test_scenes_are_loaded_by_name_path_or_tables_and_refused_as_files_would_be(
         spincheck.load(tables)
     with pytest.raises(ScenarioError, match="neither a file, a folder, nor a scene"):
         spincheck.load("no-such-top")
+    with pytest.raises(ScenarioError, match=r"hard: takes one scene, this is \d\d"):
+        spincheck.load("hard")
 
 
 def test_a_file_that_goes_before_the_library_is_named(tmp_path, monkeypatch, caplog):
