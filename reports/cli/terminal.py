@@ -1,5 +1,6 @@
 """What the command line prints: tables, JSON, progress, complaints, errors of the system."""
 
+import codecs
 import errno
 import json
 import math
@@ -9,6 +10,7 @@ import textwrap
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -84,9 +86,11 @@ def escape_what_turns_text(stream: TextIO) -> None:
 def to_json(value: Any) -> str:
     """Return a value as JSON: numbers with all digits, null for inf and NaN.
 
-    Characters that cannot be printed are written as escapes of JSON.
+    Characters that cannot be printed are written as escapes of JSON. So are all that are not ASCII
+    if standard output is not in UTF-8: JSON has no other encoding.
     """
-    text = json.dumps(_finite(value), indent=1, ensure_ascii=False, allow_nan=False)
+    in_utf8 = codecs.lookup(sys.stdout.encoding or "utf-8").name == "utf-8"
+    text = json.dumps(_finite(value), indent=1, ensure_ascii=not in_utf8, allow_nan=False)
     return "\n".join(map(_escaped, text.split("\n")))
 
 
@@ -106,6 +110,13 @@ def _finite(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def print_file(text: str) -> None:
+    """Print the text of a file, in UTF-8 unless it goes to a terminal, which has its encoding."""
+    if isinstance(sys.stdout, TextIOWrapper) and not sys.stdout.isatty():
+        sys.stdout.reconfigure(encoding="utf-8", errors="backslashreplace")
+    print(text, end="")
 
 
 def table(rows: Sequence[Mapping[str, object]]) -> None:

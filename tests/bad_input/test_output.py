@@ -8,12 +8,14 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 from io import StringIO
 
 import command_line
 import pytest
 from case_loops import each_case
 from default_signals import WITH_DEFAULT_SIGNALS
+from library_scenes import library_scene
 from spincheck.engines import engines
 from spincheck.reports.cli import choosing, terminal
 from spincheck.reports.cli.stopping import ENDING, HEARING
@@ -153,6 +155,23 @@ def test_json_escapes_what_commands_a_terminal_and_reads_back_the_same():
     assert not {"\x1b", "\x9b", "\u202e"} & set(printed)
     assert "\u00e9" in printed
     assert json.loads(printed) == {text: [text]}
+
+
+@pytest.mark.parametrize("form", ["--json", "--toml"])
+def test_what_a_program_reads_is_read_whatever_the_encoding_of_the_output(tmp_path, form):
+    text = library_scene("fast-top").text
+    source = tomllib.loads(text)["source"]
+    (tmp_path / "top.toml").write_text(text.replace(source, f"{source} é\u0101"), encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", SPINCHECK, "show", "top.toml", form],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        encoding="utf-8",
+        check=True,
+    )
+    read = (json if form == "--json" else tomllib).loads(done.stdout)
+    assert read["source"] == f"{source} é\u0101"
 
 
 @pytest.mark.parametrize("command", ["run", "recommend"])

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ..options import RESULT_FILE, AsCsv, AsJson, Stored
-from ..terminal import Complaint, say, to_json
+from ..terminal import Complaint, print_file, say, to_json
 
 #: Characters with which spreadsheets let a formula begin, after white space too.
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
@@ -82,7 +82,7 @@ def rows(
     found = running.read(results)
     if as_csv or as_json:
         records = verdict_records(found) if verdicts else run_records(found)
-        print(csv_text(records) if as_csv else to_json(records), end="" if as_csv else "\n")
+        print_file(csv_text(records)) if as_csv else print(to_json(records))
         return
     for line in verdict_lines(found.verdicts) if verdicts else run_lines(found.every_row):
         print(printable(line))

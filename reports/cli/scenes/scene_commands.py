@@ -6,7 +6,17 @@ from typing import Annotated, Any
 import typer
 
 from ..options import AsJson, Scene, Scenes, Seed
-from ..terminal import BAD_INPUT, DISAGREES, NOT_RUN, Complaint, command, table, to_json, written
+from ..terminal import (
+    BAD_INPUT,
+    DISAGREES,
+    NOT_RUN,
+    Complaint,
+    command,
+    print_file,
+    table,
+    to_json,
+    written,
+)
 
 app = typer.Typer()
 
@@ -74,7 +84,7 @@ def show(
         raise Complaint("takes '--toml' or '--json', not both")
     scene = member_of(scenario, member, seed)
     if toml:
-        print(scene.text, end="")
+        print_file(scene.text)
     elif as_json:
         print(to_json(scene_as_json(scene)))
     else:
