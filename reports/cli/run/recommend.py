@@ -206,7 +206,7 @@ def _timed_runs(
     """
     if not stored.exists():
         return None
-    scenario, results = one_scene(scene), running.read(stored)
+    scenario, results = one_scene(scene), running.contents(stored)
     solved = results.scenes.get(scenario.name)
     if solved is None or solved.scenario.digest != scenario.digest:
         return None

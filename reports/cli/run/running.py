@@ -174,8 +174,23 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
     )
 
 
+def contents(path: Path) -> Results:
+    """Return what a result file holds, which may be nothing, as after a run that was stopped.
+
+    A warning is printed if it is a copy without SQLite's log file. A `Complaint` is raised if the
+    file cannot be read.
+    """
+    with as_complaint(ResultFileError), open_store(path) as store:
+        if store.log_missing:
+            say(
+                f"{path}: it was being written when it was copied, and its log "
+                f"'{path.name}-wal' is not beside it: the last runs may be missing"
+            )
+        return store.read()
+
+
 def read(path: Path, scene: str = "") -> Results:
-    """Return what a result file holds; print a warning if it is a copy without SQLite's log file.
+    """Return what a result file holds, as `contents` does.
 
     Parameters
     ----------
@@ -187,13 +202,7 @@ def read(path: Path, scene: str = "") -> Results:
     Complaint
         If the file cannot be read, or holds no results or none of the scene.
     """
-    with as_complaint(ResultFileError), open_store(path) as store:
-        results = store.read()
-        if store.log_missing:
-            say(
-                f"{path}: it was being written when it was copied, and its log "
-                f"'{path.name}-wal' is not beside it: the last runs may be missing"
-            )
+    results = contents(path)
     if not (results.verdicts or results.ensembles):
         raise Complaint(f"{path}: holds no results; 'spincheck run' fills it")
     if not scene:

@@ -28,6 +28,7 @@ from spincheck.reports.cli.terminal import NOT_RUN, Complaint
 from spincheck.reports.results.cost_records import MethodCost, Ratio, StepCost
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.results import Results
+from spincheck.reports.results.store import open_store
 from spincheck.scenarios import Errors
 
 pytestmark = pytest.mark.slow
@@ -193,12 +194,25 @@ def test_timed_runs_of_the_engine_that_is_here_are_taken_from_the_file(
     rows = [replace(row, **(here | of_the_file)) for row in STRAIGHT.rows[:runs]]
     stored = tmp_path / "stored.sqlite"
     stored.touch()
-    monkeypatch.setattr(running, "read", lambda _: replace(STRAIGHT, rows=rows))
+    monkeypatch.setattr(running, "contents", lambda _: replace(STRAIGHT, rows=rows))
     scenario = STRAIGHT.scenes[TOP].scenario
     monkeypatch.setattr(recommend_module, "one_scene", lambda _: scenario)
     monkeypatch.setattr(running, "run", lambda *_: STRAIGHT)
     recommendation = recommend(TOP, {"omega": 1e-300}, [], 1, stored)
     assert recommendation.source == (str(stored) if is_taken else "")
+
+
+def test_a_file_of_a_run_that_was_stopped_before_its_first_verdict_is_as_none(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    stored = tmp_path / "stored.sqlite"
+    with open_store(stored, create=True):
+        pass
+    monkeypatch.setattr(running, "run", lambda *_: STRAIGHT)
+    assert recommend(TOP, {"omega": 1e-300}, [], 1, stored).source == ""
+    stored.write_text("no result file")
+    with pytest.raises(Complaint, match="not a usable result file"):
+        recommend(TOP, {"omega": 1e-300}, [], 1, stored)
 
 
 def test_an_engine_that_is_there_as_shipped_only_is_one_message(
@@ -233,7 +247,7 @@ def test_runs_are_used_whose_errors_in_what_is_bounded_are_known(
     installed = SimpleNamespace(engines=[SimpleNamespace(name="mujoco", version=version)])
     monkeypatch.setattr(recommend_module, "one_scene", lambda _: ladder.scenes[TOP].scenario)
     monkeypatch.setattr(recommend_module, "choose", lambda *_, **__: installed)
-    monkeypatch.setattr(running, "read", lambda _: ladder)
+    monkeypatch.setattr(running, "contents", lambda _: ladder)
     found = recommend_module._timed_runs(TOP, {signal: BETWEEN}, [], tmp_path)
     assert (found is not None) == is_used
 
