@@ -177,14 +177,14 @@ def _asked_for(results: Results, scenarios: Sequence[Scenario], choice: Choice) 
 def contents(path: Path) -> Results:
     """Return what a result file holds, which may be nothing, as after a run that was stopped.
 
-    A warning is printed if it is a copy without SQLite's log file. A `Complaint` is raised if the
+    A warning is printed if SQLite's log file is missing. A `Complaint` is raised if the
     file cannot be read.
     """
     with as_complaint(ResultFileError), open_store(path) as store:
         if store.log_missing:
             say(
-                f"{path}: it was being written when it was copied, and its log "
-                f"'{path.name}-wal' is not beside it: the last runs may be missing"
+                f"{path}: it was copied, or the disk was full, while it was being written, and its "
+                f"log '{path.name}-wal' is not beside it: the last runs may be missing"
             )
         return store.read()
 

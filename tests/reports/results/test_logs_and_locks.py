@@ -48,7 +48,8 @@ def test_a_killed_runs_results_are_in_its_log_and_a_file_without_its_log_is_know
     with open_store(alone) as store:
         assert store.log_missing
     printed = command_line.spincheck("rows", str(alone)).stderr
-    assert "its log 'alone.sqlite-wal' is not beside it" in printed
+    words = "it was copied, or the disk was full, while it was being written, and its log "
+    assert f"{words}'alone.sqlite-wal' is not beside it" in printed
     with open_store(path) as store:
         assert not store.log_missing
 
