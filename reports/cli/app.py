@@ -277,7 +277,8 @@ def recommend(
     """Find the cheapest method and timestep that stay within bounds, and check it by a run.
 
     Without bounds it takes those of a report: attitude to 0.1deg and ω to 0.001. It uses the timed
-    runs of the scene in the result file, and runs the scene if there are none.
+    runs of the scene in the result file, and runs the scene if there are none, or
+    none of an engine that '--engine' names.
     An engine as shipped, with its damping and clamps, is never recommended.
     """
     from .named_scenes import one_scene

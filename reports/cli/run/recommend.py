@@ -1,10 +1,10 @@
 """What the command `recommend` does: the cheapest method and timestep that stay within bounds.
 
 The runs and their costs come from a result file, as in the report's tables. If the file has none of
-the scene, the scene is run and timed now. The timestep at which a method reaches the bounds is
-interpolated between its runs. The cheapest choice is then checked by a run at exactly its timestep.
-If an error of that run exceeds its bound, the run is added to the others, and the choice is made
-again.
+the scene, or none of an engine that the user names, the scene is run and timed now. The timestep at
+which a method reaches the bounds is interpolated between its runs. The cheapest choice is then
+checked by a run at exactly its timestep. If an error of that run exceeds its bound, the run is
+added to the others, and the choice is made again.
 """
 
 import math
@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 
 from ....engines import engines
 from ....scenarios import SIGNAL, Scenario
-from ...harness.choice import Choice
+from ...harness.choice import Choice, EngineMethod
 from ...harness.executors import TIME_LIMIT, LocalWorkers
 from ...harness.plan import plan
 from ...harness.study import run_study
@@ -37,6 +37,7 @@ from ...results.store import open_store
 from ..choosing import check_temporary_folder, choose
 from ..grouped import option
 from ..named_scenes import one_scene
+from ..options import RESULT_FILE
 from ..stopping import saying
 from ..terminal import AGREES, DISAGREES, NOT_RUN, Complaint, say
 from . import running
@@ -64,6 +65,8 @@ class Recommendation:
     command : the command that runs the first candidate again; empty if nothing is recommended
     nothing : why nothing is recommended; empty if something is
     source : the result file used; empty if the scene was run now
+    not_compared : methods of which the result file has no runs, and the command that adds them, in
+        words; empty if there are none
     left_in : cost of the first candidate's steps if the engine does all that it does by default;
         None if the adapter leaves nothing of that out, or if it was not timed
     """
@@ -77,6 +80,7 @@ class Recommendation:
     command: str = ""
     nothing: str = ""
     source: str = ""
+    not_compared: str = ""
     left_in: MethodCost | None = None
 
     @property
@@ -116,8 +120,8 @@ def recommend(
         empty
     engine_names : the engines to choose from; if empty, all that are not optional
     jobs : number of worker processes
-    stored : a result file, from which runs are taken; if it has no timed runs of the scene, the
-        scene's ladders are run
+    stored : a result file, from which runs are taken; if it has no timed runs of the scene, or no
+        runs of a named engine, the scene's ladders are run
 
     Raises
     ------
@@ -128,15 +132,20 @@ def recommend(
     bounds = bounds or BOUNDS
     scenario = one_scene(scene)
     _check_bounds(bounds, scenario)
-    methods = _methods(scenario, engine_names)
+    offered = _offered(scenario, engine_names)
     check_temporary_folder()
     with saying("nothing is kept"), TemporaryDirectory() as folder:
         if timed_runs := _timed_runs(scene, bounds, engine_names, stored):
             say(f"From the runs in {stored}.")
-            found = replace(_checked(scene, bounds, timed_runs, Path(folder)), source=str(stored))
+            found = replace(
+                _checked(scene, bounds, timed_runs, Path(folder)),
+                source=str(stored),
+                not_compared=_not_compared(scene, offered, engine_names, timed_runs, stored),
+            )
             return _as_typed_again(found, engine_names)
         out = Path(folder) / "ladder.sqlite"
-        results = running.run([scene], engine_names, methods, [], jobs, out)
+        methods = dict.fromkeys(method.name for _, method in offered)
+        results = running.run([scene], engine_names, [*methods], [], jobs, out)
         if running.exit_code(results) == NOT_RUN:
             raise Complaint(f"{scene}: nothing could be run: {results.rows[0].reason}", NOT_RUN)
         return _as_typed_again(_checked(scene, bounds, results, Path(folder)), engine_names)
@@ -168,8 +177,8 @@ def _check_bounds(bounds: ErrorBounds, scenario: Scenario) -> None:
             raise Complaint(f"'{option(signal)}': {scenario.name} has no {SIGNAL[signal].quantity}")
 
 
-def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
-    """Return the names of the methods that may be recommended for a scene.
+def _offered(scenario: Scenario, engine_names: Sequence[str]) -> list[EngineMethod]:
+    """Return every engine with each of its methods that may be recommended for a scene.
 
     A `Complaint` is raised if there are none.
 
@@ -178,15 +187,51 @@ def _methods(scenario: Scenario, engine_names: Sequence[str]) -> list[str]:
     engine_names : the engines whose methods are returned; if empty, all that are not optional
     """
     chosen = choose(engine_names, [], []).engines
-    made_for_it = (method for engine in chosen for method in engine.methods_for(scenario))
-    offered = [method.name for method in made_for_it if method.is_recommendable]
+    made_for_it = ((one, method) for one in chosen for method in one.methods_for(scenario))
+    offered = [(one, method) for one, method in made_for_it if method.is_recommendable]
     if not offered:
         raise Complaint(
             f"{', '.join(engine_names)}: has no method that is recommended: those as shipped are "
             "not, nor readers of users' models, such as mujoco-file",
             NOT_RUN,
         )
-    return list(dict.fromkeys(offered))
+    return offered
+
+
+def _able(scenario: Scenario, offered: Sequence[EngineMethod]) -> list[Key]:
+    """Return the keys of those of some methods that can simulate a scene."""
+    return [
+        Key(scenario.name, engine.name, method.name)
+        for engine, method in offered
+        if not engine.unsupported(scenario, method)
+    ]
+
+
+def _not_compared(
+    scene: str,
+    offered: Sequence[EngineMethod],
+    engine_names: Sequence[str],
+    results: Results,
+    stored: Path,
+) -> str:
+    """Return in words which methods a result file has no runs of, and the command that adds them.
+
+    The text is empty if there are none.
+
+    Parameters
+    ----------
+    scene, engine_names : the scene and the engines as the user typed them
+    offered : the methods that may be recommended
+    results : the scene's runs that are used of the file
+    stored : the file
+    """
+    there = {row.key for row in results.rows}
+    able = _able(one_scene(scene), offered)
+    labels = [key.label for key in able if key not in there]
+    words = ["spincheck", "run", scene]
+    words += [word for name in engine_names for word in ("--engine", name)]
+    words += [] if stored == RESULT_FILE else ["--out", str(stored)]
+    return f"{', '.join(labels)}; '{shlex.join(words)}' adds them" if labels else ""
 
 
 def _timed_runs(
@@ -195,8 +240,9 @@ def _timed_runs(
     """Return a scene's stored results, of engines whose installed version is the stored one.
 
     None is returned if there is no file, if the file lacks the scene or has another version of the
-    scene, if no method has `LEAST_TIMED` timed runs, or if errors in a signal with a bound are not
-    stored. Files of older versions lack errors of spins.
+    scene, if no method has `LEAST_TIMED` timed runs, if there is no run of a named engine that has
+    methods for the scene, or if errors in a signal with a bound are not stored. Files of older
+    versions lack errors of spins.
 
     Parameters
     ----------
@@ -224,6 +270,9 @@ def _timed_runs(
     if any(math.isnan(one[signal]) for one in known for signal in bounds):
         return None
     keys = {row.key for row in rows}
+    able = _able(scenario, _offered(scenario, engine_names)) if engine_names else []
+    if {key.engine for key in able} - {key.engine for key in able if key in keys}:
+        return None
     return replace(
         results,
         scenes={scenario.name: solved},

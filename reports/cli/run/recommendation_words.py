@@ -37,6 +37,7 @@ def recommendation_as_json(recommendation: Recommendation) -> dict[str, Any]:
         "left_in_ratio": _ratio(recommendation),
         "command": recommendation.command,
         "source": recommendation.source or None,
+        "not_compared": recommendation.not_compared,
         "methods": methods,
     }
 
@@ -66,6 +67,8 @@ def print_recommendation(recommendation: Recommendation) -> None:
         if candidate.timestep is None:
             words = candidate.reason.removeprefix(f"{candidate.label} ")
             print(f"{candidate.label}: {candidate.word}: {words}")
+    if recommendation.not_compared:
+        print(f"Not in {recommendation.source}, so not compared: {recommendation.not_compared}.")
     best = recommendation.best
     if best is None:
         print(f"Nothing is recommended: {recommendation.nothing}.")

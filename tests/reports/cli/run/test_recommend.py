@@ -202,6 +202,45 @@ def test_timed_runs_of_the_engine_that_is_here_are_taken_from_the_file(
     assert recommendation.source == (str(stored) if is_taken else "")
 
 
+@pytest.mark.parametrize(
+    ("names", "is_taken", "others"),
+    [
+        ([], True, {"pybullet"}),
+        (["mujoco"], True, set()),
+        (["pybullet"], False, None),
+        (["mujoco", "pybullet"], False, None),
+    ],
+)
+def test_methods_that_the_file_lacks_are_named_and_an_engine_that_it_lacks_is_run(
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    names: list[str],
+    is_taken: bool,
+    others: set[str] | None,
+) -> None:
+    rows = [replace(row, engine_version=engines()["mujoco"].version) for row in STRAIGHT.rows]
+    stored = tmp_path / "stored.sqlite"
+    stored.touch()
+    monkeypatch.setattr(running, "contents", lambda _: replace(STRAIGHT, rows=rows))
+    monkeypatch.setattr(recommend_module, "one_scene", lambda _: STRAIGHT.scenes[TOP].scenario)
+    monkeypatch.setattr(running, "run", lambda *_: STRAIGHT)
+    recommendation = recommend(TOP, {"omega": 1e-300}, names, 1, stored)
+    print_recommendation(recommendation)
+    said = [line for line in capsys.readouterr().out.splitlines() if line.startswith("Not in ")]
+    assert recommendation.source == (str(stored) if is_taken else "")
+    assert len(said) == is_taken
+    if others is None:
+        return
+    named = "".join(f" --engine {name}" for name in names)
+    assert said[0].endswith(f"; 'spincheck run {TOP}{named} --out {stored}' adds them.")
+    labels = said[0].partition(": ")[2].partition("; ")[0].split(", ")
+    assert {label.partition(" ")[0] for label in labels} == {"mujoco"} | others & {*engines()}
+    # Neither what the file has, nor what is never recommended.
+    assert not {"mujoco Euler", "mujoco contact"} & {*labels}
+    assert "mujoco RK4" in labels
+
+
 def test_a_file_of_a_run_that_was_stopped_before_its_first_verdict_is_as_none(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
