@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..options import AsJson, Engines, Methods, Scene, TimeLimit, Timestep
-from ..terminal import (
-    Complaint,
-    table,
-    to_json,
-    written,
-)
+from ..terminal import Complaint, table, to_json
 
 if TYPE_CHECKING:
     from ....engines import Engine
@@ -147,9 +142,9 @@ def reproduce(
     It is Python with numpy, or JavaScript if the engine runs under node. It builds the model, steps
     it, and prints its error against the exact values that it contains.
     """
-    from ....scenarios.regular_files import write_new
     from ..choosing import check_timesteps, choose
     from ..named_scenes import one_scene
+    from ..own_files import write_own
     from .reproduce import FRAMES, reproduction
 
     scene = one_scene(scenario)
@@ -161,6 +156,5 @@ def reproduce(
     text = reproduction(scene, chosen, by, timestep)
     suffix = FRAMES[chosen.script_language].suffix
     file = out or Path(f"{scene.name}-{chosen.name}-{by.name}{suffix}")
-    with written(file):
-        write_new(file, text)
+    write_own({file: text})
     print(file)

@@ -69,7 +69,8 @@ def truth_files(scenario: Scenario, sensitivities: bool = False) -> dict[str, st
     }
     texts = {"truth.csv": _csv(scenario, solution, columns)}
     if sensitivities:
-        derived = {"scenario": scenario.name} | derivatives(scenario, motion)
+        about = {"scenario": scenario.name, "source": "Exact motion by spincheck"}
+        derived = about | derivatives(scenario, motion)
         texts["sensitivities.json"] = json.dumps(derived, indent=1, allow_nan=False) + "\n"
     return texts
 

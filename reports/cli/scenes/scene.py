@@ -187,7 +187,8 @@ def model_files(scenario: Scenario) -> dict[str, str]:
     """Return the texts of a scene's model files, scene.xml (MJCF) and scene.urdf, by file name."""
     rate = fastest_rate(scenario, scenario.start.omega_body)
     timestep = EXPORTED_TURN / rate if rate else EXPORTED_TIMESTEP
-    return {
+    texts = {
         "scene.xml": mjcf(scenario, timestep, EXPORTED_INTEGRATOR),
         "scene.urdf": urdf(scenario),
     }
+    return {name: f"<!-- Written by spincheck. -->\n{text}" for name, text in texts.items()}

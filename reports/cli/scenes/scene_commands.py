@@ -15,7 +15,6 @@ from ..terminal import (
     print_file,
     table,
     to_json,
-    written,
 )
 
 app = typer.Typer()
@@ -129,9 +128,10 @@ def export(
     """Write a scene as scene.xml (MJCF) and scene.urdf, or its exact motion.
 
     The MJCF uses RK4; its timestep is 0.05 rad over the fastest rate at the start. A driven hinge
-    has an armature so large that its speed does not change.
+    has an armature so large that its speed does not change. Files of these names are replaced
+    only if spincheck has written them.
     """
-    from ....scenarios.regular_files import write_new
+    from ..own_files import write_own
     from .exact_motion import truth_files
     from .scene import model_files
 
@@ -139,10 +139,7 @@ def export(
         raise Complaint("'--sensitivities' goes with '--truth', which is missing; add it")
     scene = _scenario(scenario)
     texts = truth_files(scene, sensitivities) if truth else model_files(scene)
-    with written(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in texts.items():
-            write_new(folder / name, text)
+    write_own({folder / name: text for name, text in texts.items()})
     for name in texts:
         print(folder / name)
 

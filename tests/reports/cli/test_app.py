@@ -114,6 +114,28 @@ def test_export_writes_files_whose_timestep_resolves_the_fastest_rate(spincheck,
     assert float(option.attrib["timestep"]) == pytest.approx(EXPORTED_TURN / rate)
 
 
+def test_no_file_is_written_over_but_those_that_spincheck_has_written(spincheck, tmp_path):
+    run = ("--engine", "mujoco", "--method", "RK4", "--timestep", 0.01)
+    last_files = {
+        "scene.urdf": ("export", "hammer", "out"),
+        "sensitivities.json": ("export", "hammer", "out", "--truth", "--sensitivities"),
+        "run.py": ("reproduce", "hammer", *run, "--out", "out/run.py"),
+    }
+    (tmp_path / "out").mkdir()
+    for name, words in last_files.items():
+        for _ in range(2):
+            assert spincheck(*words)[0] == 0
+        for path in (tmp_path / "out").iterdir():
+            path.unlink()
+        path = tmp_path / "out" / name
+        path.write_text("mine", encoding="utf-8")
+        code, out, err = spincheck(*words)
+        assert (code, out, len(err.splitlines())) == (2, "", 1)
+        assert f"{name}: exists already, and spincheck has not written it; remove it" in err
+        # Nothing is written before the complaint, either.
+        assert [one.read_text(encoding="utf-8") for one in path.parent.iterdir()] == ["mine"]
+
+
 def test_what_a_method_cannot_simulate_it_cannot_at_any_timestep(spincheck):
     pytest.importorskip("pybullet")
     words = ("--engine", "pybullet", "--method", "maximal", "--timestep", 0.01, "--json")
