@@ -32,8 +32,9 @@ _NUMBERS = 13
 _MAKE_A_DIRECTION_SPECIAL = {"gravity", "torque_world"}
 #: Second moments of mass that agree this far, relative to the largest, are equal.
 _EQUAL = 16 * np.finfo(float).eps
-#: Alternative keys of body, attitude and ω: removed, since a member states each in one way.
-_BODY_KEYS = ("particles", "inertia_about")
+#: Keys of a body that a member states in another way, or that name a file with other numbers.
+_BODY_KEYS = ("particles", "inertia_about", "model", "link", "welded", "sha256")
+#: Alternative keys of attitude and ω: removed, since a member states each in one way.
 _ATTITUDES = ("euler_zyz_deg", "rotation_vector_deg")
 _OMEGAS = ("omega_world", "euler_zyz_rates")
 

@@ -64,6 +64,12 @@ def test_a_member_reads_back_from_its_text():
     assert np.array_equal(again.body.inertia_com, one.body.inertia_com)
 
 
+def test_a_member_names_no_file_which_has_other_numbers():
+    origin = f'model = "arm.urdf"\nlink = "arm"\nwelded = ["tool"]\nsha256 = "{"0" * 64}"\n'
+    one = member(loads(scene().text.replace("[body]\n", f"[body]\n{origin}"), "made"), 7, 3)
+    assert one.document.body.model_fields_set == {"mass", "inertia"}
+
+
 @each_case("base", library())
 def test_every_scene_of_the_library_can_be_scattered(base):
     if "table" in base.called_for and (reason := _refusal(base)):
