@@ -16,13 +16,19 @@ def user_cache() -> Path:
 
     Raises
     ------
+    FileNotFoundError
+        If the user has no home folder, and `$XDG_CACHE_HOME` names no other place.
     PermissionError
         If the folder belongs to another user, or all may write to it (`is_own`): files in it are
         executed.
     """
     own = "Library/Caches" if sys.platform == "darwin" else ".cache"
     stated = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    folder = (stated if stated.is_absolute() else Path.home() / own) / "spincheck"
+    try:
+        folder = (stated if stated.is_absolute() else Path.home() / own) / "spincheck"
+    except RuntimeError:
+        why = "the user has no home folder; set XDG_CACHE_HOME to a folder"
+        raise FileNotFoundError(errno.ENOENT, why, f"~/{own}/spincheck") from None
     if not is_own(folder):
         raise PermissionError(errno.EPERM, "others may write to it, remove it", str(folder))
     return folder

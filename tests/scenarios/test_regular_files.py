@@ -10,6 +10,7 @@ import pytest
 from sources import files_with
 from spincheck.engines.user_cache import user_cache
 from spincheck.reference import kernel
+from spincheck.reports.cli.terminal import refusal
 from spincheck.scenarios.regular_files import read_regular, replacing, write_new
 
 #: What opens a file for writing, or may.
@@ -121,6 +122,21 @@ def test_no_cache_is_in_the_current_folder(tmp_path, monkeypatch, stated):
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", stated)
     assert user_cache() == tmp_path / ".cache" / "spincheck"
+
+
+def test_a_user_without_a_home_is_told_to_name_a_cache(tmp_path, monkeypatch):
+    def homeless() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "home", homeless)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    with pytest.raises(OSError, match="no home folder; set XDG_CACHE_HOME") as raised:
+        user_cache()
+    complaint = str(refusal(raised.value))
+    assert complaint.startswith("~/")
+    assert complaint.endswith("set XDG_CACHE_HOME to a folder")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert user_cache() == tmp_path / "spincheck"
 
 
 def test_a_cache_that_others_may_write_to_is_not_used(tmp_path, monkeypatch):
