@@ -54,7 +54,9 @@ def compile_first(tell: Callable[[str], object]) -> None:
 
 def notice() -> str:
     """Return the sentence that announces a compilation."""
-    return f"First, once: the solver of exact motions is compiled, roughly {SECONDS:.0f} s."
+    always = "each time, as no folder can be written (NUMBA_CACHE_DIR names another)"
+    when = always if FOLDER is None else "once"
+    return f"First, {when}: the solver of exact motions is compiled, roughly {SECONDS:.0f} s."
 
 
 if __name__ == "__main__":

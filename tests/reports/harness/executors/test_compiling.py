@@ -1,6 +1,7 @@
 """Kernels are compiled before the first scene, and once."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from spincheck.reference.compiled import compile_kernels
@@ -33,3 +34,9 @@ def test_what_is_compiled_is_not_compiled_again(monkeypatch, there, changed, cal
     with Recording() as executor:
         compiling.compile_side_by_side(executor)
     assert executor.called == calls
+
+
+def test_where_nothing_can_be_kept_it_is_said_that_it_is_compiled_each_time(monkeypatch) -> None:
+    for folder, when in ((Path("folder"), "once: "), (None, "each time, as no folder can be")):
+        monkeypatch.setattr(compiling, "FOLDER", folder)
+        assert compiling.notice().startswith(f"First, {when}")
