@@ -149,7 +149,10 @@ def table(rows: Sequence[Mapping[str, object]]) -> None:
     grid = Table(*columns, box=box.SIMPLE)
     for line in lines[1:]:
         grid.add_row(*line)
-    console.print(grid)
+    # Not printed by rich, which ends the program with 1 if nobody reads it.
+    with console.capture() as drawn:
+        console.print(grid)
+    print(drawn.get(), end="")
 
 
 def _beside(columns: Sequence[object]) -> int:
