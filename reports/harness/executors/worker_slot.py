@@ -183,10 +183,9 @@ def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -
     Parameters
     ----------
     cause, reason : why the call failed, in a word and in a sentence
-    time_limit : the present limit of CPU time, s; if None, a call that exceeded its limit is taken
-        to exceed it again
+    time_limit : the present limit of CPU time, s; `TIME_LIMIT` if None
     """
     if is_environmental(cause):
         return True
     stopped = re.search(f"{_OVERDUE}([^ ]+) s", reason)
-    return stopped is not None and time_limit is not None and float(stopped[1]) < time_limit
+    return stopped is not None and float(stopped[1]) < (time_limit or TIME_LIMIT)

@@ -15,7 +15,7 @@ from same_results import differences
 from spincheck.engines.lost_process import KILLED
 from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
-from spincheck.reports.harness.executors import CallFailed, Executor
+from spincheck.reports.harness.executors import TIME_LIMIT, CallFailed, Executor
 from spincheck.reports.harness.judging import ladder_end
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import simulate
@@ -245,12 +245,19 @@ def overrun(path: Path, reason: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("time_limit", "again"), [(None, False), (100.0, False), (120.0, False), (200.0, True)]
+    ("exceeded", "time_limit", "again"),
+    [
+        (TIME_LIMIT, None, False),
+        (TIME_LIMIT / 2, None, True),
+        (TIME_LIMIT, TIME_LIMIT / 2, False),
+        (TIME_LIMIT, TIME_LIMIT, False),
+        (TIME_LIMIT, 2 * TIME_LIMIT, True),
+    ],
 )
 def test_what_was_stopped_is_run_again_by_whoever_gives_it_longer(
-    finished, runs, undisturbed, time_limit, again
+    finished, runs, undisturbed, exceeded, time_limit, again
 ):
-    overrun(finished, "did not finish within 120 s; it last printed: a word")
+    overrun(finished, f"did not finish within {exceeded:g} s; it last printed: a word")
     runs.clear()
     run(finished, replace(LADDER, time_limit=time_limit))
     assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
