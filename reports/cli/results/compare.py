@@ -28,7 +28,7 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
         If a file cannot be read, or has no results of an engine.
     """
     names_engines = any(mark in old + new for mark in ("@", " as "))
-    if names_engines and not (Path(old).exists() and Path(new).exists()):
+    if names_engines and not (_is_file(old) or _is_file(new)):
         return changes_between_versions(running.read(stored), old, new)
     for name in (old, new):
         if name in engines() and not Path(name).exists():
@@ -37,6 +37,12 @@ def compare(old: str, new: str, stored: Path) -> list[Change]:
                 f"such as {name}@1.2.3, or with another encoding"
             )
     return changes(running.read(Path(old)), running.read(Path(new)))
+
+
+def _is_file(name: str) -> bool:
+    """Whether a name is that of a file: it is one, or has a folder before it, as no engine's."""
+    path = Path(name)
+    return path.is_file() or path.name != name
 
 
 def changes_between_versions(results: Results, older: str, newer: str) -> list[Change]:

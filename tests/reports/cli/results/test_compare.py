@@ -275,6 +275,18 @@ def test_a_file_that_cannot_be_used_is_one_message_and_exit_code_2(stored, tmp_p
     )
 
 
+def test_a_path_with_a_version_or_an_encoding_in_it_is_that_of_a_file(stored, tmp_path):
+    stored("spincheck.sqlite", "failed")
+    there, none = stored("as it was@home.sqlite", "failed").name, "me@home/none.sqlite"
+    for names in ((there, none), (none, there), (none, "b")):
+        done = spincheck("compare", *names, cwd=tmp_path)
+        assert done.returncode == 2
+        assert done.stderr.startswith(f"spincheck: {none}: no such result file")
+    # An engine has no folder before it.
+    done = spincheck("compare", "mujoco@3.3.0", "mujoco", cwd=tmp_path)
+    assert done.stderr.startswith("spincheck: mujoco@3.3.0: no result of it is in the file")
+
+
 def test_an_engine_in_place_of_a_file_is_one_message():
     done = spincheck("compare", "mujoco", "pybullet")
     message = "spincheck: mujoco: no such result file; an engine is compared with another version"
