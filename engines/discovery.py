@@ -17,6 +17,11 @@ from .missing import Missing
 ENTRY_POINTS = "spincheck.engines"
 #: Name of the module from which adapters import the interface.
 INTERFACE = "spincheck.engine"
+#: How to get the engines that are dependencies of spincheck, by their package.
+HOW = {
+    "mujoco": "pip install mujoco",
+    "pybullet": "pip install pybullet, which compiles it but on Linux x86-64 with Python 3.11",
+}
 
 
 class NameTaken(ValueError):
@@ -142,7 +147,8 @@ def _missing(name: str, error: BaseException) -> Missing:
     if isinstance(error, ModuleNotFoundError) and error.name:
         package = error.name.partition(".")[0]
         if package != "spincheck":
-            return Missing(name, package, f"the package '{package}' is not installed")
+            how = f"; {HOW[package]}" if package in HOW else ""
+            return Missing(name, package, f"the package '{package}' is not installed{how}")
     words = f"{type(error).__name__}: {' '.join(str(error).split())}"
     if isinstance(error, ImportError) and error.name == INTERFACE:
         # Without the path at the end of the error's message.

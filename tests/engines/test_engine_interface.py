@@ -11,6 +11,7 @@ import inspect
 import json
 import re
 import sys
+import tomllib
 from collections.abc import Callable, Iterator
 from hashlib import sha256
 from operator import attrgetter
@@ -25,6 +26,7 @@ from command_line import ended
 from library_scenes import library_scene
 from spincheck.engine import Engine, Session
 from spincheck.engines import discovery
+from spincheck.engines.discovery import HOW
 from spincheck.engines.interface import misfit
 from spincheck.reports.cli.choosing import choose
 from spincheck.reports.cli.terminal import NOT_RUN, refusal
@@ -250,6 +252,18 @@ def test_an_adapter_that_cannot_be_used_gets_one_line_and_costs_only_itself(
     assert "toy" not in names
     said = [one for one in capsys.readouterr().err.splitlines() if "cannot be used" in one]
     assert said == [line]
+
+
+def test_an_engine_that_spincheck_depends_on_is_missing_with_how_to_get_it() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wheels = {re.split("[>=;]", line)[0]: line for line in project["dependencies"]}
+    adapters = {path.name for path in (ROOT / "engines/adapters").iterdir()}
+    assert {*HOW} == {*wheels} & adapters
+    absent = discovery._missing("pybullet", ModuleNotFoundError(name="pybullet"))
+    assert absent.reason == f"the package 'pybullet' is not installed; {HOW['pybullet']}"
+    # Where there is a wheel.
+    for word, key in (("Linux", "linux"), ("x86-64", "x86_64"), ("3.11", "'3.11'")):
+        assert (word in HOW["pybullet"], key in wheels["pybullet"]) == (True, True)
 
 
 RULE = (
