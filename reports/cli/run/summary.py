@@ -132,7 +132,8 @@ def _begun(row: Row) -> str:
 def _value(varied: object) -> str:
     """Return a value that is varied in a run (`Row.varied`) as text; a number is padded."""
     if isinstance(varied, int | float):
-        return f"{varied:<11.6g}"
+        # A member, its seed and a timestep fit into `VARIED` together.
+        return f"{varied:<4}" if isinstance(varied, int) else f"{varied:<11.6g}"
     return ", ".join(map(str, varied)) if isinstance(varied, list) else f"{varied}"
 
 

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -25,6 +26,7 @@ from spincheck.reports.cli.run.summary import run_lines
 from spincheck.reports.cli.terminal import AGREES, DISAGREES, NOT_RUN, Complaint
 from spincheck.reports.harness.executors import InProcess
 from spincheck.reports.results.ensemble_records import Ensemble
+from spincheck.reports.results.records import variation
 from spincheck.reports.results.store import open_store
 from spincheck.scenarios import loads
 from typer.testing import CliRunner
@@ -102,6 +104,13 @@ def test_points_are_printed_below_their_method_which_is_named_once():
     assert len(methods) > 1
     points = sorted(swept.points, key=lambda point: point.pair)
     assert len([*run_lines(points)]) == 2 * len(methods) + len(points)
+
+
+def test_a_point_is_printed_with_its_timestep_beside_seed_and_member():
+    point = ensemble_result().points[0]
+    varied = variation({"member": 199, "seed": 1234, "timestep": 1 / 1920})
+    _, _, line = run_lines([replace(point, variation=varied)])
+    assert line.split()[:3] == ["199", "1234", "0.000520833"]
 
 
 def test_without_a_number_an_ensemble_has_two_hundred_members(monkeypatch):
