@@ -233,7 +233,7 @@ def report(
     from ..pages.render import render
     from .run import running
 
-    stored = running.read(results or RESULT_FILE, scene)
+    stored = running.read(results or RESULT_FILE, scene.removesuffix(".toml"))
     try:
         print(f"The report is {render(stored, out)}")
     except OSError as error:

@@ -11,6 +11,7 @@ from ....engines.models.urdf import urdf
 from ....scenarios import EFFECTS, Scenario, is_scene_name, loads, printable
 from ....scenarios.effects.effect import Effect
 from ....scenarios.fastest_rate import fastest_rate
+from ....scenarios.load import LONGEST_NAME
 from ....scenarios.regular_files import write_new
 from ..terminal import Complaint
 
@@ -64,7 +65,7 @@ def new_scene(name: str) -> Path:
     if not is_scene_name(name):
         raise Complaint(
             "'NAME' must be letters, digits, '-', '_' and '.', the first a letter or digit, "
-            f"got '{printable(name)}'"
+            f"{LONGEST_NAME} bytes at most, got '{printable(name)}'"
         )
     path, text = Path(f"{name}.toml"), TEMPLATE.format(name=name, effects=_effects())
     loads(text, name)

@@ -218,7 +218,7 @@ def test_a_report_of_one_scene_holds_what_there_is_of_it_alone(spincheck, tmp_pa
     assert (code, err) == (0, "")
     pages = tmp_path / out.removeprefix("The report is ").removesuffix("index.html\n")
     assert [path.name for path in pages.rglob("*.html")] == ["index.html"]
-    code, *_ = spincheck("report", str(stored), "--scene", small_result_file.SCENE)
+    code, *_ = spincheck("report", str(stored), "--scene", f"{small_result_file.SCENE}.toml")
     assert code == 1
     assert [path.name for path in pages.rglob("*.html")] == [
         "index.html",

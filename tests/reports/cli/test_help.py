@@ -82,4 +82,6 @@ def test_a_new_scene_is_a_scene_and_is_never_written_over(tmp_path, monkeypatch)
         new_scene("my-top.toml")
     with pytest.raises(Complaint, match="'NAME' must be"):
         new_scene("../top")
+    with pytest.raises(Complaint, match="200 bytes at most"):
+        new_scene("a" * 300)
     assert [path.name for path in tmp_path.iterdir()] == ["my-top.toml"]
