@@ -4,7 +4,7 @@ import sys
 from importlib.metadata import version
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -37,8 +37,16 @@ from .options import (
 )
 from .results.result_commands import app as result_commands
 from .scenes.scene_commands import app as scene_commands
-from .stopping import Stopped, open_closed_streams, raise_when_stopped, say_last_words
+from .stopping import (
+    STDOUT,
+    Stopped,
+    open_closed_streams,
+    print_nowhere,
+    raise_when_stopped,
+    say_last_words,
+)
 from .terminal import (
+    NOT_RUN,
     Complaint,
     command,
     escape_what_turns_text,
@@ -48,10 +56,29 @@ from .terminal import (
     unusable,
 )
 
+
+class Commands(GroupedCommands):
+    """The group of all commands, which ends with `NOT_RUN` if nobody reads what a command prints.
+
+    typer would end with 1, which says that something disagrees.
+    """
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command, and return what it returns."""
+        try:
+            try:
+                return super().invoke(ctx)
+            finally:
+                sys.stdout.flush()
+        except BrokenPipeError:
+            print_nowhere(STDOUT)
+            raise typer.Exit(NOT_RUN) from None
+
+
 app = typer.Typer(
     name="spincheck",
     help="Check physics engines against the exact motion of spinning tops.",
-    cls=GroupedCommands,
+    cls=Commands,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

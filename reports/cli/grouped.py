@@ -5,7 +5,6 @@ an option be left out.
 """
 
 import math
-import sys
 from inspect import Parameter, Signature
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,8 +13,6 @@ from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
 from .options import MEMBERS
-from .stopping import STDOUT, print_nowhere
-from .terminal import NOT_RUN
 
 if TYPE_CHECKING:
     from ...scenarios import Signal
@@ -53,20 +50,6 @@ class GroupedCommands(TyperGroup):
             elif not getattr(one, "is_flag", False):
                 one.metavar = one.metavar or one.name.upper()
         return command
-
-    def invoke(self, ctx: Any) -> Any:
-        """Run a command; if nobody reads what it prints any more, end with `NOT_RUN`, silently.
-
-        typer would end with 1, which says that something disagrees.
-        """
-        try:
-            try:
-                return super().invoke(ctx)
-            finally:
-                sys.stdout.flush()
-        except BrokenPipeError:
-            print_nowhere(STDOUT)
-            raise typer.Exit(NOT_RUN) from None
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return a command's name, the command, and its arguments, given the name in any case."""
