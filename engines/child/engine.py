@@ -54,12 +54,12 @@ class ChildEngine(Engine):
         """The files that results depend on; runs are made anew when one changes."""
         if self._sources is not None:
             return tuple(self._sources)
-        return tuple(path for path in map(Path, self.command) if path.is_file())
+        return tuple(Path(word) for word in self.command if _is_file(word))
 
     @property
     def arguments(self) -> tuple[str, ...]:
         """The words of the command that name no files; runs are made anew when one changes."""
-        return tuple(word for word in self.command if not Path(word).is_file())
+        return tuple(word for word in self.command if not _is_file(word))
 
     def open(self, scenario: Scenario, method: Method, timestep: float) -> ChildSession:
         """Open the scene in an idle process of the engine, or in a new one if none is idle.
@@ -124,3 +124,11 @@ def child_engine(command: Sequence[str], limit: float = ANSWER_LIMIT) -> ChildEn
     finally:
         given_back(child)
     return ChildEngine(command, hello, limit)
+
+
+def _is_file(word: str) -> bool:
+    """Return whether a word of a command is the path of a file; a long text is none."""
+    try:
+        return Path(word).is_file()
+    except (OSError, ValueError):
+        return False

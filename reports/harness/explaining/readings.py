@@ -35,30 +35,33 @@ def misreading(read: State, exact: State, *, is_single: bool) -> tuple[Explanati
     return ()
 
 
-def first_step_alone(before: State, after: State, ulp: float) -> Explanation:
+def first_step_alone(before: State, after: State, exact: State, ulp: float) -> Explanation:
     """Return what explains that first steps from n given states are wrong, and second ones are not.
 
-    If attitude, ω or both stay the same in all these steps, they are read late, as before the step.
+    If attitude, ω or both stay the same in all these steps, and should change, they are read late,
+    as before the step.
 
     Parameters
     ----------
     before, after : the states as they were read before and after the first steps
+    exact : the states to which the exact motion leads
     ulp : the machine epsilon of the engine's precision
     """
-    stays = [
-        (np.abs(a - b).max() <= ULPS * ulp * np.abs(b).max())
-        for a, b in (
-            (after.q_world_body_wxyz, before.q_world_body_wxyz),
-            (after.omega_body, before.omega_body),
-        )
-    ]
+
+    def is_late(old: FloatArray, new: FloatArray, wanted: FloatArray) -> bool:
+        least = ULPS * ulp * np.abs(old).max()
+        return bool(np.abs(new - old).max() <= least < np.abs(wanted - old).max() / ULPS)
+
+    attitudes, omegas = zip(
+        *((one.q_world_body_wxyz, one.omega_body) for one in (before, after, exact)), strict=True
+    )
     kinds = {
         (True, True): "late state",
         (True, False): "late attitude",
         (False, True): "late ω",
         (False, False): "first step",
     }
-    return Explanation(kinds[bool(stays[0]), bool(stays[1])], ())
+    return Explanation(kinds[is_late(*attitudes), is_late(*omegas)], ())
 
 
 def _largest_deviation(read: State, exact: State) -> float:

@@ -212,8 +212,8 @@ class _Examination:
 
         The first step is the one from a state that was set. The fault is that of first steps if the
         gains of second steps tend to at most the fraction `LEFT` of what those of first steps do.
-        A reading is late then, or a step depends on the one before. If the engine refuses to take
-        two steps, the evidence is returned as it is.
+        A reading is late then, or a step depends on the one before. What explains a fault of second
+        steps is added. If the engine refuses to take two steps, the evidence is returned as it is.
         """
         fault, first = found.fault, self.first
         if fault is None or fault.kind != "limit" or found.settled:
@@ -224,9 +224,11 @@ class _Examination:
             return found
         if second.known_to[0] > LEFT * first.known_to[0]:
             return found
-        steps = first.steps
-        change = first_step_alone(steps.before, steps.after, self.sessions.engine.ulp)
-        return replace(found, fault=replace(fault, changes=(change,)))
+        steps, ulp = first.steps, self.sessions.engine.ulp
+        change = first_step_alone(steps.before, steps.after, steps.exact, ulp)
+        again = evidence_of(second, self.at, found.declared).fault
+        changes = change, *(again.changes if again else ())
+        return replace(found, fault=replace(fault, changes=changes))
 
     @property
     def look(self) -> Look:

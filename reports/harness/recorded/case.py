@@ -143,14 +143,15 @@ class Case:
     def stated(self) -> FloatArray | None:
         """The standard deviations of noise that the file states: attitude, rad, ω, rad/s, (2,).
 
-        Each is at least the bound in `floor`. If the file states only one, the other is that of the
-        noise which is found in the samples, if any. The property is None if it states neither.
+        Each is at least the bound in `floor`. If the file states only that of attitude, that of ω
+        is the noise found in the samples, if any. The property is None if it states neither.
         """
         stated = np.array([float(self.recording.settings.get(name, 0.0)) for name in NOISE])
         if not stated.any():
             return None
-        if not stated.all() and (found := self.alternates) is not None:
-            stated = np.where((stated == 0) & found.is_noise, found.noise, stated)
+        found = None if stated[1] else self.alternates
+        if found is not None and found.is_noise[1]:
+            stated[1] = found.noise[1]
         return np.asarray(np.maximum(stated, self.floor))
 
     @cached_property

@@ -23,6 +23,10 @@ MOST_UNDONE = 2
 #: it. It is divided by the factor if the attitudes turn no more than `FASTER` times as fast, or as
 #: slowly, as the exact ones.
 OFF_SCALE, FASTER = 100.0, 2.0
+#: Largest root mean square difference of ω, divided by the factor, from the rates of the attitudes,
+#: relative to these, both less their means; and an angle between samples, rad, that no recording
+#: has.
+ALIKE, ABSURD = 0.5, 1e3
 #: Small units of angular velocity, how many of them are 1 rad/s, and the relative tolerance with
 #: which they are recognised.
 SCALES, UNIT_SLACK = {"mrad/s": 1e3, "m°/s": 180e3 / np.pi}, 0.01
@@ -60,19 +64,28 @@ def finding(case: Case) -> Finding | None:
 def _of_scale(case: Case) -> Finding | None:
     """Return the finding that ω is far larger than the attitudes turn; None if it is not.
 
-    It is if it is more than `OFF_SCALE` times the exact ω, and the attitudes turn at most twice as
-    fast, or half as fast, as the exact ones. `Finding.left` has the case with ω divided by the
-    factor, and the case without ω.
+    It is if it is more than `OFF_SCALE` times the exact ω, though the attitudes turn at most twice
+    as fast, or half as fast, as the exact ones. Besides, ω divided by the factor must vary as the
+    rates of the attitudes do, perhaps along other axes, as it is not its bias then; or the body
+    would turn by more than `ABSURD` from sample to sample. `Finding.left` has the case with ω
+    divided by the factor, and the case without ω.
     """
     omega, exact = case.reading.omega, norms(case.exact.omega_body)[:-1]
     turns = exact > 0
     if omega is None or not turns.any():
         return None
+    rates = case.numbers.rates
     read, turned = (
-        float(np.median(norms(each)[turns] / exact[turns]))
-        for each in (omega[:-1], case.numbers.rates)
+        float(np.median(norms(each)[turns] / exact[turns])) for each in (omega[:-1], rates)
     )
     if read < OFF_SCALE or not 1 / FASTER < turned < FASTER:
+        return None
+    is_absurd = np.median(norms(omega[:-1]) * case.numbers.spans) > ABSURD
+    varying, scaled = (each - each.mean(axis=0) for each in (rates, omega[:-1] / read))
+    # Of all rotations and reflections of one of them, the smallest difference (Kabsch 1976).
+    overlap = float(np.linalg.svd(varying.T @ scaled, compute_uv=False).sum())
+    apart = np.sum(varying**2) + np.sum(scaled**2) - 2 * overlap
+    if apart > ALIKE**2 * np.sum(varying**2) and not is_absurd:
         return None
     units = (unit for unit, factor in SCALES.items() if abs(read / factor - 1) < UNIT_SLACK)
     unit = next(units, "")
@@ -140,7 +153,9 @@ def _of_mistakes(case: Case) -> Finding | None:
     reading, scenario = case.reading, case.scenario
     if case.undone > MOST_UNDONE:
         return None
-    wrong = mistakes(scenario, case.exact, reading) or rounded_times(reading)
+    wrong = mistakes(scenario, case.exact, reading) or rounded_times(
+        reading, case.recording.resolution
+    )
     if not wrong:
         return None
     first = matrices(case.exact.q_world_body_wxyz[:1])[0]

@@ -182,6 +182,8 @@ def test_the_arguments_of_a_program_are_part_of_the_engine(tmp_path: Path) -> No
     method = {"name": "midpoint", "order": 2, "attitude_order": 2, "summary": "s", "effects": []}
     described = {"protocol": 1, "name": "toy", "version": "1.0", "precision": "double"}
     hello = Hello.model_validate(described | {"stock_timestep": None, "methods": [method]})
+    long = ChildEngine(["python", "-c", "x = 1;" * 100], hello, sources=[])
+    assert long.arguments == long.command
     digests = []
     for words in ([program, "--solver=a"], [moved, "--solver=a"], [program, "--solver=b"]):
         engine = ChildEngine([str(word) for word in words], hello)

@@ -28,7 +28,7 @@ def stuck(numbers: Numbers, omega: FloatArray) -> Shown | None:
     numbers : the columns of the recording, with those of the exact motion
     omega : ω of the n samples as in the file, rad/s, (n, 3)
     """
-    bound, least = float(np.abs(omega).max()), CHANGES * numbers.resolution_omega
+    bound, least = float(np.abs(omega).max()), CHANGES * numbers.step_omega
     if not np.ptp(omega, axis=0).any():
         # An ω that is constant in all columns may be right, as without a gyroscopic torque.
         return None

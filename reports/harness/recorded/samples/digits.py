@@ -71,15 +71,21 @@ class Numbers:
 
     @cached_property
     def resolution_omega(self) -> float:
-        """The resolution of ω, rad/s; 0 if ω was not recorded.
+        """The resolution with which ω is printed, rad/s (`resolution`); 0 if ω was not recorded."""
+        return 0.0 if self.omega is None else resolution(self.omega, RATES.values())
 
-        It is that with which ω is printed (`resolution`), or the step of a sensor that counts, if
-        that is larger.
+    @cached_property
+    def step_omega(self) -> float:
+        """The resolution of ω, rad/s, or the step of a sensor that counts, if that is larger.
+
+        A column of which the exact ω has such a step as well shows no sensor's.
         """
+        printed = self.resolution_omega
         if self.omega is None:
-            return 0.0
-        printed = resolution(self.omega, RATES.values())
-        return max(printed, *(_step_of(column, printed) for column in self.omega.T))
+            return printed
+        columns = zip(self.omega.T, self.omega_exact.T, strict=True)
+        steps = (_step_of(one, printed) for one, exact in columns if not _step_of(exact, printed))
+        return max([printed, *steps])
 
     @cached_property
     def should_turn(self) -> Flags:

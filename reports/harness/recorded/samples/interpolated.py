@@ -28,6 +28,8 @@ def interpolated(numbers: Numbers) -> Shown | None:
         # At either end a line may be missing.
         if len(t) <= 1 + (len(every) + 2) * count:
             return _at_one_in(count, "interpolated linearly", every[0][0], len(t))
+    # Of a sensor that counts, equal samples in succession are frequent.
+    every = _lines(t, omega, numbers.omega_exact, 2 * numbers.step_omega)
     gaps = [(a, b) for a, b in every if b - a >= FEWEST_ON_A_LINE]
     if not gaps:
         return None
@@ -63,6 +65,9 @@ def _zero_order_hold(numbers: Numbers, omega: FloatArray) -> Shown | None:
     new = np.flatnonzero(changes > least)
     count = int(np.median(np.diff(new))) if len(new) >= FEWEST else 1
     # An ω that changes at every sample, and later at none, is that of a body that comes to rest.
+    # One that changes at samples of no regular distance is that of a sensor that counts.
+    if np.any(new % count != new[:1] % count):
+        return None
     if count > 1 and np.sum(changes <= least / CHANGES) >= (count - 1) * (len(new) - 1):
         return _at_one_in(count, "held", int(new[0]) + 1, len(omega))
     return None

@@ -39,6 +39,9 @@ FITS = 1e-9
 #: Evenly spaced times count as those of samples whose times are rounded if they are exp(`LIKELIER`)
 #: times as likely, and make the deviations smaller by the factor exp(−`EVENER`) at least.
 LIKELIER, EVENER = 30.0, 0.1
+#: That is asked only if the body turns by this many units of the last digit of quaternions in the
+#: time by which times are rounded.
+OF_DIGITS = 100.0
 #: Words for times that are too short, or too long, by a factor.
 TOO_SHORT = "too short, as where one state in so many is kept"
 TOO_LONG = "too long, as of another timestep than that of the steps"
@@ -170,19 +173,31 @@ def followed(reading: Reading, scenario: Scenario) -> list[_Correction]:
     return [one[1:] for one in sorted(kept, key=lambda one: one[0])]
 
 
-def rounded_times(reading: Reading) -> list[str]:
+def rounded_times(reading: Reading, resolution: float) -> list[str]:
     """Return the sentence that the times of a recording are rounded.
 
-    They are if evenly spaced times are found, at which the attitude follows ω far better: with
-    normally distributed deviations these times are exp(`LIKELIER`) times as likely.
+    They are if evenly spaced times are found, at which the attitude follows ω far better; or better
+    to such a degree that, with normally distributed deviations, these times are exp(`LIKELIER`)
+    times as likely, if times are far more coarsely rounded than quaternions.
+
+    Parameters
+    ----------
+    resolution : the relative resolution with which attitude and ω are printed
 
     Returns
     -------
     A list of one sentence; empty if the times are not rounded
     """
     error, freedom = _kinematic_error(reading), 3 * (len(reading.t) - 1)
-    enough = error * np.exp(-max(LIKELIER / freedom, EVENER))
-    return [words for words, other in equal_times(reading) if _kinematic_error(other) < enough][:1]
+    clearly = LEFT * min(1.0, error)
+    likelier = error * np.exp(-max(LIKELIER / freedom, EVENER))
+    speed = float(np.median(norms(reading.omega))) if reading.omega is not None else 0.0
+    printed = OF_DIGITS * resolution
+    for words, other in equal_times(reading):
+        is_coarse = speed * np.abs(other.t - reading.t).max() > printed
+        if _kinematic_error(other) < (max(clearly, likelier) if is_coarse else clearly):
+            return [words]
+    return []
 
 
 def _kinematic_error(reading: Reading) -> float:

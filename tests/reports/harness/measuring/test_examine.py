@@ -27,7 +27,7 @@ from spincheck.reports.results.evidence import CONSISTENT, SEEN, StepEvidence
 from spincheck.scenarios import FloatArray, Scenario, loads
 from spincheck.scenarios.scenario import started_at
 from spincheck.suite.contract_scenes import SCENES
-from stepped import Stepped, SteppedEngine
+from stepped import DRAG, Stepped, SteppedEngine
 from top_scenes import GRAVITY, scene
 
 pytestmark = pytest.mark.slow
@@ -617,6 +617,31 @@ def test_a_reading_of_before_the_step_is_told_from_other_physics(
 ) -> None:
     """First steps from a state are as those of a body on which no torque acts."""
     assert words in in_words(looked_at(SteppedEngine(kind), method, name))
+
+
+SPHERE = loads(BOX.replace("[1.0, 2.0, 2.5]", "[1.0, 1.0, 1.0]"), "sphere")
+
+
+def test_an_omega_that_should_stay_the_same_is_not_said_to_be_late() -> None:
+    found = in_words(looked_at(SteppedEngine(ReadsAttitudeLate), "RK4", SPHERE))
+    assert "as if the attitude were read as it was before the step: " in found
+
+    class ReadsAttitudeHalfLate(ReadsAttitudeLate):
+        part = 0.5
+
+    found = in_words(looked_at(SteppedEngine(ReadsAttitudeHalfLate), "RK4", SPHERE))
+    assert "a reading is late by part of a step" in found
+
+
+def test_what_second_steps_show_besides_a_late_reading_is_said_too() -> None:
+    class LateAndDamped(ReadsAttitudeLate):
+        def constants_with(self, inertia: np.ndarray) -> np.ndarray:
+            constants = super().constants_with(inertia)
+            constants[DRAG] += 0.02 * self.rate * float(np.trace(inertia)) / 3
+            return constants
+
+    found = in_words(looked_at(SteppedEngine(LateAndDamped), "RK4", BOOK))
+    assert "as if the attitude were read as it was before the step and " in found
 
 
 def test_what_is_remembered_of_the_step_before_is_told_from_other_physics() -> None:

@@ -1,5 +1,6 @@
 """What logs of real sensors have besides noise: counts, few digits, other units, rounded times."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from spincheck.reference import solve
 from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
 from spincheck.reports.harness.recorded.samples.sensors import SENSORS, of_sensor
+from spincheck.scenarios import loads
 
 pytestmark = pytest.mark.slow
 
@@ -20,6 +22,27 @@ COUNT, TURN = 300, 0.0473
 #: Standard deviations of attitude, rad, and ω, relative to its size at first.
 ATTITUDE, OMEGA = 2e-3, 1e-3
 SCENES = ("book-with-drag", "t-handle", "quadrotor-body")
+SLOW = """spincheck = 1
+title = "A body that hardly turns"
+source = "made up"
+
+[body]
+mass = 2.0
+inertia = [1.0, 2.0, 2.5]
+
+[start]
+quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]
+omega_body = [1e-6, 2e-6, 3e-5]
+
+[window]
+duration = 2e5
+samples = 201
+"""
+DRIVEN = SLOW.replace("[1e-6, 2e-6, 3e-5]", "[0.0, 0.0, 0.5]").replace("2e5", "4.0")
+DRIVEN += """
+[effects.torque]
+body = [0.0, 0.0, 1.0]
+"""
 
 
 def log(name: str, attitude: float = ATTITUDE, omega: float = OMEGA) -> Arrays:
@@ -58,6 +81,53 @@ def test_an_omega_far_out_of_scale_is_named_with_its_factor(name: str) -> None:
             "as it is recorded, beyond its noise; corrected, it is within"
         )
         assert found.measured is not None
+
+
+def test_a_bias_that_is_far_larger_than_the_rate_is_no_scale() -> None:
+    """Nor is noise: neither varies as the attitudes' rates do."""
+    slow = loads(SLOW, "slow")
+    t = slow.times
+    motion = solve(slow, t).trajectory
+    chance = np.random.default_rng(3)
+    turned = Rotation.from_rotvec(chance.normal(0, 1e-3, (len(t), 3)))
+    q = (Rotation.from_quat(motion.q_world_body_wxyz, scalar_first=True) * turned).as_quat(
+        scalar_first=True
+    )
+    stated = {"noise_attitude": "1e-3", "noise_omega": "1e-5"}
+    biased = motion.omega_body + chance.normal([0.004, 0.0, 0.002], 1e-5, (len(t), 3))
+    arrays = {"t": t, "q": q, "omega": biased}
+    (said,) = named(judged_motion(slow, Recording(Path("log.csv"), arrays, stated), 1))
+    bias = re.search(r"^the gyroscope has a bias of \[([\d.]+) ", said)
+    assert bias is not None
+    assert float(bias[1]) == pytest.approx(0.004, rel=1e-3)
+
+
+@pytest.mark.parametrize("every", [2, 5])
+def test_counts_that_are_held_are_said_to_be_new_at_one_sample_in_so_many(every: int) -> None:
+    """As of a gyroscope that is asked more often than it measures."""
+    arrays = log("t-handle", omega=0.0)
+    count = float(np.abs(arrays["omega"]).max()) / 400
+    held = np.rint(arrays["omega"] / count)[np.arange(COUNT) // every * every] * count
+    said = named(judged("t-handle", arrays | {"omega": held}))
+    assert said[0].startswith(f"ω is held: it is new at one sample in {every} only")
+
+
+def test_an_omega_that_should_grow_by_equal_steps_shows_none_of_a_sensor() -> None:
+    driven = loads(DRIVEN, "driven")
+    motion = solve(driven, driven.times).trajectory
+    omega = np.array(motion.omega_body)
+    omega[100:110, 2] = omega[100, 2]
+    arrays = {"t": motion.t, "q": motion.q_world_body_wxyz, "omega": omega}
+    (said, *_) = named(judged_motion(driven, Recording(Path("log.csv"), arrays), 1))
+    assert "its column is stuck" in said
+
+
+def test_times_that_are_printed_as_finely_as_all_else_are_not_said_to_be_rounded() -> None:
+    scenario = library_scene("hammer")
+    t = np.arange(COUNT) / 60
+    motion = solve(scenario, t).trajectory
+    every = {"t": t, "q": motion.q_world_body_wxyz, "omega": motion.omega_body}
+    assert not judged("hammer", {name: one.round(6) for name, one in every.items()}).is_another
 
 
 @pytest.mark.parametrize("name", SCENES)
