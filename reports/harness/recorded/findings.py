@@ -64,36 +64,43 @@ def finding(case: Case) -> Finding | None:
 def _of_scale(case: Case) -> Finding | None:
     """Return the finding that ω is far larger than the attitudes turn; None if it is not.
 
-    It is if it is more than `OFF_SCALE` times the exact ω, though the attitudes turn at most twice
-    as fast, or half as fast, as the exact ones. Besides, ω divided by the factor must vary as the
-    rates of the attitudes do, perhaps along other axes, as it is not its bias then; or the body
-    would turn by more than `ABSURD` from sample to sample. `Finding.left` has the case with ω
-    divided by the factor, and the case without ω.
+    `Finding.left` has the case with ω divided by the factor, and the case without ω.
+    """
+    omega, factor = case.reading.omega, _factor_of_omega(case)
+    if omega is None or not factor:
+        return None
+    units = (unit for unit, size in SCALES.items() if abs(factor / size - 1) < UNIT_SLACK)
+    unit = next(units, "")
+    words = f"ω is {factor:.4g} times as large as the attitudes turn"
+    words += f", as in {unit}" if unit else ": look at its unit, or at its sensor's scale"
+    by_factor = case.reading._replace(omega=omega / SCALES.get(unit, factor))
+    cases = (case.read(one) for one in (by_factor, case.reading._replace(omega=None)))
+    return Finding((words,), tuple(filter(None, cases)), is_beyond=True, is_all=True)
+
+
+def _factor_of_omega(case: Case) -> float:
+    """Return by which factor ω is too large; 0 if it is not, or by no more than `OFF_SCALE`.
+
+    The attitudes must turn at most twice as fast, or half as fast, as the exact ones. Besides, ω
+    divided by the factor must vary as the rates of the attitudes do, perhaps along other axes, so
+    that it is no bias; or the body would turn by more than `ABSURD` from sample to sample.
     """
     omega, exact = case.reading.omega, norms(case.exact.omega_body)[:-1]
-    turns = exact > 0
+    turns, rates = exact > 0, case.numbers.rates
     if omega is None or not turns.any():
-        return None
-    rates = case.numbers.rates
-    read, turned = (
+        return 0.0
+    factor, turned = (
         float(np.median(norms(each)[turns] / exact[turns])) for each in (omega[:-1], rates)
     )
-    if read < OFF_SCALE or not 1 / FASTER < turned < FASTER:
-        return None
-    is_absurd = np.median(norms(omega[:-1]) * case.numbers.spans) > ABSURD
-    varying, scaled = (each - each.mean(axis=0) for each in (rates, omega[:-1] / read))
+    if factor < OFF_SCALE or not 1 / FASTER < turned < FASTER:
+        return 0.0
+    if np.median(norms(omega[:-1]) * case.numbers.spans) > ABSURD:
+        return factor
+    varying, scaled = (each - each.mean(axis=0) for each in (rates, omega[:-1] / factor))
     # Of all rotations and reflections of one of them, the smallest difference (Kabsch 1976).
     overlap = float(np.linalg.svd(varying.T @ scaled, compute_uv=False).sum())
     apart = np.sum(varying**2) + np.sum(scaled**2) - 2 * overlap
-    if apart > ALIKE**2 * np.sum(varying**2) and not is_absurd:
-        return None
-    units = (unit for unit, factor in SCALES.items() if abs(read / factor - 1) < UNIT_SLACK)
-    unit = next(units, "")
-    words = f"ω is {read:.4g} times as large as the attitudes turn"
-    words += f", as in {unit}" if unit else ": look at its unit, or at its sensor's scale"
-    by_factor = case.reading._replace(omega=omega / SCALES.get(unit, read))
-    cases = (case.read(one) for one in (by_factor, case.reading._replace(omega=None)))
-    return Finding((words,), tuple(filter(None, cases)), is_beyond=True, is_all=True)
+    return factor if apart <= ALIKE**2 * np.sum(varying**2) else 0.0
 
 
 def _of_numbers(case: Case) -> Finding | None:
