@@ -78,7 +78,7 @@ class Numbers:
     def step_omega(self) -> float:
         """The resolution of ω, rad/s, or the step of a sensor that counts, if that is larger.
 
-        A column of which the exact ω has such a step as well shows no sensor's.
+        A column is left out if the exact ω has such a step, too, as one that grows linearly has.
         """
         printed = self.resolution_omega
         if self.omega is None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from box import BOX
 from library_scenes import library_scene
 from reported_faults import named
 from scipy.spatial.transform import Rotation
@@ -12,7 +13,7 @@ from spincheck.reference import solve
 from spincheck.reports.harness.recorded.files.recording import Recording
 from spincheck.reports.harness.recorded.judged import JudgedMotion, judged_motion
 from spincheck.reports.harness.recorded.samples.sensors import SENSORS, of_sensor
-from spincheck.scenarios import loads
+from spincheck.scenarios import Scenario, loads
 
 pytestmark = pytest.mark.slow
 
@@ -22,39 +23,32 @@ COUNT, TURN = 300, 0.0473
 #: Standard deviations of attitude, rad, and ω, relative to its size at first.
 ATTITUDE, OMEGA = 2e-3, 1e-3
 SCENES = ("book-with-drag", "t-handle", "quadrotor-body")
-SLOW = """spincheck = 1
-title = "A body that hardly turns"
-source = "made up"
-
-[body]
-mass = 2.0
-inertia = [1.0, 2.0, 2.5]
-
-[start]
-quaternion_wxyz = [1.0, 0.0, 0.0, 0.0]
-omega_body = [1e-6, 2e-6, 3e-5]
-
-[window]
-duration = 2e5
-samples = 201
-"""
-DRIVEN = SLOW.replace("[1e-6, 2e-6, 3e-5]", "[0.0, 0.0, 0.5]").replace("2e5", "4.0")
-DRIVEN += """
+LONGER = BOX.replace("samples = 11", "samples = 201")
+SLOW = LONGER.replace("[1.0, 2.0, 0.5]", "[1e-6, 2e-6, 3e-5]").replace("= 1.0\n", "= 2e5\n")
+DRIVEN = (
+    LONGER.replace("[1.0, 2.0, 0.5]", "[0.0, 0.0, 0.5]").replace("= 1.0\n", "= 4.0\n")
+    + """
 [effects.torque]
 body = [0.0, 0.0, 1.0]
 """
+)
+
+
+def noisy(scenario: Scenario, t: np.ndarray, attitude: float, omega: float) -> Arrays:
+    """The exact motion with noise of attitude, rad, and ω, rad/s, of these standard deviations."""
+    chance, motion = np.random.default_rng(11), solve(scenario, t).trajectory
+    turned = Rotation.from_rotvec(chance.normal(0, attitude, (len(t), 3)))
+    q = Rotation.from_quat(motion.q_world_body_wxyz, scalar_first=True) * turned
+    read = motion.omega_body + chance.normal(0, omega, (len(t), 3))
+    return {"t": t, "q": q.as_quat(scalar_first=True), "omega": read}
 
 
 def log(name: str, attitude: float = ATTITUDE, omega: float = OMEGA) -> Arrays:
     """A log of a scene of the library, with noise."""
-    scenario, chance = library_scene(name), np.random.default_rng(11)
+    scenario = library_scene(name)
     speed = float(np.linalg.norm(scenario.start.omega_body))
     t = np.arange(COUNT) * min(TURN / speed, scenario.window.duration / COUNT)
-    motion = solve(scenario, t).trajectory
-    turned = Rotation.from_rotvec(chance.normal(0, attitude, (COUNT, 3)))
-    q = Rotation.from_quat(motion.q_world_body_wxyz, scalar_first=True) * turned
-    read = motion.omega_body + chance.normal(0, omega * speed, (COUNT, 3))
-    return {"t": t, "q": q.as_quat(scalar_first=True), "omega": read}
+    return noisy(scenario, t, attitude, omega * speed)
 
 
 def judged(name: str, arrays: Arrays, **stated: str) -> JudgedMotion:
@@ -86,16 +80,9 @@ def test_an_omega_far_out_of_scale_is_named_with_its_factor(name: str) -> None:
 def test_a_bias_that_is_far_larger_than_the_rate_is_no_scale() -> None:
     """Nor is noise: neither varies as the attitudes' rates do."""
     slow = loads(SLOW, "slow")
-    t = slow.times
-    motion = solve(slow, t).trajectory
-    chance = np.random.default_rng(3)
-    turned = Rotation.from_rotvec(chance.normal(0, 1e-3, (len(t), 3)))
-    q = (Rotation.from_quat(motion.q_world_body_wxyz, scalar_first=True) * turned).as_quat(
-        scalar_first=True
-    )
+    arrays = noisy(slow, slow.times, 1e-3, 1e-5)
+    arrays["omega"] += [0.004, 0.0, 0.002]
     stated = {"noise_attitude": "1e-3", "noise_omega": "1e-5"}
-    biased = motion.omega_body + chance.normal([0.004, 0.0, 0.002], 1e-5, (len(t), 3))
-    arrays = {"t": t, "q": q, "omega": biased}
     (said,) = named(judged_motion(slow, Recording(Path("log.csv"), arrays, stated), 1))
     bias = re.search(r"^the gyroscope has a bias of \[([\d.]+) ", said)
     assert bias is not None
