@@ -12,7 +12,7 @@ from ..results.evidence import Evidence, ReplayEvidence, StepEvidence
 from ..results.records import Key, Row
 from .comparison.defects import with_defects
 from .comparison.rows import compared, unmet_expectations
-from .executors import Answer
+from .executors import Answer, CallFailed
 from .judging import Records
 from .judging.ladder_end import cut_short, is_finished
 from .measuring.intervals import MadeRun
@@ -71,7 +71,8 @@ class ConvergenceStudy:
     unmet : expectations of the scene that were not met, in words
     places : exact states from which the method's single steps are tested, and the timesteps of
         these steps; None if single steps are not tested
-    steps, own_steps, replays, refusal : the evidence so far (see `Evidence`)
+    steps, own_steps, replays : the evidence so far (see `Evidence`)
+    refusal : why steps could not be examined, or runs not replayed; None if they could
     """
 
     scenario: Scenario
@@ -91,14 +92,13 @@ class ConvergenceStudy:
     steps: StepEvidence | None = None
     own_steps: StepEvidence | None = None
     replays: tuple[ReplayEvidence, ...] = ()
-    refusal: str = ""
+    refusal: CallFailed | None = None
 
     @property
     def evidence(self) -> Evidence:
         """The evidence that the method is judged by: `before` if given, else what was measured."""
-        return self.before or Evidence(
-            self.key, self.steps, self.own_steps, self.replays, self.refusal
-        )
+        refused = (self.refusal.reason, self.refusal.cause) if self.refusal else ()
+        return self.before or Evidence(self.key, self.steps, self.own_steps, self.replays, *refused)
 
     @property
     def records(self) -> Records:

@@ -90,13 +90,16 @@ def plan(scenarios: Sequence[Scenario], choice: Choice, store: Store) -> Plan:
 def settled_verdicts(scenario: Scenario, choice: Choice, store: Store) -> list[Verdict]:
     """Return the stored verdicts on a scene, for `choice.timesteps`, that need not be made again.
 
-    A method's verdict is left out if one of its failed runs may succeed when it is made again
-    (`may_succeed_if_repeated`), or if its ladder ended at a lower step limit than the present one.
+    A method's verdict is left out if one of its failed runs, or its examination, may succeed when
+    it is made again (`may_succeed_if_repeated`), or if its ladder ended at a lower step limit than
+    the present one.
     """
+    failures = [(row.key, row.cause, row.reason) for row in store.failed_rows(scenario.name)]
+    failures += [(e.key, e.cause, e.refusal) for e in store.refused_evidence(scenario.name)]
     to_repeat = {
-        row.key
-        for row in store.failed_rows(scenario.name)
-        if may_succeed_if_repeated(row.cause, row.reason, choice.time_limit)
+        key
+        for key, cause, reason in failures
+        if may_succeed_if_repeated(cause, reason, choice.time_limit)
     }
     verdicts = store.settled(scenario.name, choice.timesteps, choice.max_steps_on(scenario))
     return [verdict for verdict in verdicts if verdict.key not in to_repeat]

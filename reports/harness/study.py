@@ -99,6 +99,8 @@ def study_method(
     }
     # Stored runs are judged again from the evidence that is stored with them.
     before = store.evidence(key)
+    if before and may_succeed_if_repeated(before.cause, before.refusal, choice.time_limit):
+        before = None
     study = begin(before)
     if not is_run(study, stored):
         study = begin(None)
@@ -256,7 +258,7 @@ def _examine(study: ConvergenceStudy, executor: Executor) -> None:
         arguments = (study.engine, study.scenario, study.method.name, at)
         found = executor.call_at(site, examine_or_refuse, *arguments).value
         if isinstance(found, CallFailed):
-            study.refusal = found.reason
+            study.refusal = found
         else:
             study.steps, study.refusal = found
 
@@ -274,7 +276,7 @@ def _examine_runs(study: ConvergenceStudy, executor: Executor) -> None:
     arguments = (study.engine, study.scenario, study.method.name, at, steps, ladder, others)
     found = executor.call_at(site, examine_runs, *arguments).value
     if isinstance(found, CallFailed):
-        study.refusal = found.reason
+        study.refusal = found
     else:
         study.replays, study.own_steps, study.refusal = found
 

@@ -8,6 +8,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from ...engines import Cause
+from ...engines.fault import ENVIRONMENTAL, WRONG_AT_ANY_TIMESTEP
 from .change_words import KINDS
 from .records import Count, MethodKey, Record, Signed, Size
 
@@ -20,6 +22,9 @@ CONSISTENT = 1e-3
 #: Largest standard error of that limit, relative to the weakest effect of the scene: it must be
 #: small enough to show that an effect is missing.
 SEEN = 0.1
+#: Causes for which an examination ends that are faults of the engine or its adapter. With other
+#: causes the engine refuses the states that it is set to, or the machine is to blame.
+FAILURES: frozenset[Cause] = (WRONG_AT_ANY_TIMESTEP - ENVIRONMENTAL) | {"bug"}
 #: The quantities whose gains are judged, in order. The last, the angular momentum of parts that
 #: turn in the body, is judged only if there are such parts (`measuring/steps.py`).
 Quantity = Literal["attitude", "angular momentum", "velocity", "place", "parts"]
@@ -232,6 +237,7 @@ class Evidence(Record):
     own_steps : evidence from steps from states of the method's runs; None if none were taken
     replays : evidence from replays, one for each run that was replayed
     refusal : why steps could not be examined or runs not replayed, in words; else empty
+    cause : the same in one word; empty if `refusal` is
     """
 
     key: MethodKey
@@ -239,3 +245,9 @@ class Evidence(Record):
     own_steps: StepEvidence | None = None
     replays: tuple[ReplayEvidence, ...] = ()
     refusal: str = ""
+    cause: Cause = ""
+
+    @property
+    def is_of_failure(self) -> bool:
+        """Whether the engine or its adapter failed when its steps or runs were examined."""
+        return self.cause in FAILURES

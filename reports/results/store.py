@@ -251,6 +251,16 @@ class Store:
         rows = self.select(tables.ROWS, "scenario = ? AND variation = ''", (scenario,))
         return [row for row in rows if row.outcome == "failed"]
 
+    def refused_evidence(self, scenario: str) -> list[Evidence]:
+        """Return the evidence on methods whose steps could not be examined, or runs not replayed.
+
+        Parameters
+        ----------
+        scenario : the scene's name
+        """
+        found = self.select(tables.EVIDENCE, "scenario = ?", (scenario,))
+        return [evidence for evidence in found if evidence.refusal]
+
     def forget_costs_of_other_processors(self, processor: str) -> None:
         """Delete the costs of a method on a scene if any of them was measured on another processor.
 

@@ -60,6 +60,8 @@ def _judged(records: Records) -> tuple[VerdictWord, str]:
     if any(one.is_wrong for one in evidence.replays):
         return "disagrees", quoted
     if evidence.refusal:
+        if evidence.is_of_failure:
+            return "failed", f"when set to other states, it fails: {evidence.refusal}"
         return "unresolved", f"it cannot be examined from other states: {evidence.refusal}"
     if evidence.steps is None:
         return "unresolved", quoted or "no step could be taken from the states of the motion"

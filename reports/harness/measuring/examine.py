@@ -11,7 +11,7 @@ from scipy.ndimage import maximum_filter1d
 from ....engines import Engine, EngineError, Method, UnsupportedError
 from ....engines.checks.equations import Equations
 from ....engines.checks.read_back import State
-from ....reference import ExactMotion
+from ....reference import ExactMotion, IntegrationError
 from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
 from ...results.evidence import (
@@ -23,6 +23,7 @@ from ...results.evidence import (
     is_known,
 )
 from ...results.reasons import fault_in_words
+from ..executors import CallFailed
 from ..explaining.readings import first_step_alone, misreading
 from ..explaining.search import LEFT
 from ..timesteps.stock import stock_timesteps
@@ -71,7 +72,7 @@ def examine(
 
 def examine_or_refuse(
     engine: Engine, scenario: Scenario, method_name: str, at: Places, *, explains: bool = True
-) -> tuple[StepEvidence | None, str]:
+) -> tuple[StepEvidence | None, CallFailed | None]:
     """Examine the single steps of a method from exact states, and return any refusal, too.
 
     Parameters
@@ -81,14 +82,20 @@ def examine_or_refuse(
 
     Returns
     -------
-    The evidence, None if there is none; and the engine's reason if it refuses a state or a step,
-    empty if it refuses none
+    The evidence, None if there is none; and why the engine refuses a state or a step, None if it
+    refuses none
     """
     method = engine.method(method_name)
     try:
-        return _examine_or_raise(engine, scenario, method, at, explains=explains), ""
-    except EngineError as error:
-        return None, str(error)
+        return _examine_or_raise(engine, scenario, method, at, explains=explains), None
+    except (EngineError, IntegrationError) as error:
+        return None, refusal_of(error)
+
+
+def refusal_of(error: EngineError | IntegrationError) -> CallFailed:
+    """Return why an examination failed: the engine refused it, or an exact motion is not found."""
+    cause = error.cause or "refused" if isinstance(error, EngineError) else "unsolved"
+    return CallFailed(str(error), cause)
 
 
 def physics_in_words(engine: Engine, scenario: Scenario, method: Method) -> str:

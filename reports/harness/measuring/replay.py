@@ -23,7 +23,8 @@ from ....scenarios import FloatArray, Scenario
 from ....scenarios.rotation import norms
 from ...results.evidence import LEVEL, QUANTITIES, ReplayEvidence, StepEvidence
 from ...results.records import LARGEST
-from .examine import examine
+from ..executors import CallFailed
+from .examine import examine_or_refuse, refusal_of
 from .intervals import Intervals, MadeRun, Replay, beginning_of
 from .memory import explained_by_memory
 from .noise import NOISE, ULPS, rounding_of_body
@@ -44,7 +45,7 @@ def examine_runs(
     found: StepEvidence,
     ladder: Sequence[MadeRun],
     others: Sequence[MadeRun],
-) -> tuple[tuple[ReplayEvidence, ...], StepEvidence | None, str]:
+) -> tuple[tuple[ReplayEvidence, ...], StepEvidence | None, CallFailed | None]:
     """Replay runs of a method, and examine steps from states of a run.
 
     The finest run of the ladder and all other runs are replayed. If there are no runs, the
@@ -60,7 +61,8 @@ def examine_runs(
     Returns
     -------
     The evidence from each replay; the evidence from steps from states of the first replayed run,
-    None if no such steps were taken; and why no run could be replayed, empty if some were
+    None if no such steps were taken; and why runs could not be replayed, or steps not be taken from
+    their states, None if they could
     """
     method, settled, shown = engine.method(method_name), found.settled, []
 
@@ -74,9 +76,11 @@ def examine_runs(
             exact, is_single = replace(at, gives_way=bool(settled)), engine.single_precision
             own = replays[0].passage.places(scenario, exact, is_single=is_single)
     except (EngineError, IntegrationError) as error:
-        return tuple(shown), None, "" if shown else str(error)
-    own_steps = examine(engine, scenario, method_name, own) if own else None
-    return tuple(shown), own_steps, ""
+        return tuple(shown), None, None if shown else refusal_of(error)
+    own_steps, refusal = (
+        examine_or_refuse(engine, scenario, method_name, own) if own else (None, None)
+    )
+    return tuple(shown), own_steps, refusal
 
 
 def _replay(sessions: Sessions, run: MadeRun, condition: float) -> Replay:

@@ -17,11 +17,14 @@ from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
 from spincheck.reports.harness.executors import TIME_LIMIT, CallFailed, Executor
 from spincheck.reports.harness.judging import ladder_end
+from spincheck.reports.harness.measuring.examine import examine_or_refuse
+from spincheck.reports.harness.measuring.replay import examine_runs
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import simulate
 from spincheck.reports.results import fingerprints as fingerprints
 from spincheck.reports.results.results import Results
 from spincheck.reports.results.store import open_store
+from spincheck.reports.results.verdicts import Verdict
 from spincheck.scenarios import loads
 from studies import stop_at
 from studies import study as study_of
@@ -205,16 +208,43 @@ SIGNALLED = CallFailed(f"the worker process {KILLED} by SIGUSR1", "killed")
 REFUSED = CallFailed("no worker process could be started: [Errno 24]", "environment")
 
 
+def of_heun(path: Path) -> Verdict:
+    """The verdict on the engine that fails nothing."""
+    (verdict,) = (one for one in read(path).verdicts if one.key.engine == "Heun")
+    return verdict
+
+
 @pytest.mark.parametrize(
-    ("function", "failure"),
-    [(simulate, SIGNALLED), (simulate, REFUSED), (prepare, REFUSED)],
-    ids=["killed from outside", "run refused", "reference refused"],
+    ("function", "failure", "word"),
+    [
+        (simulate, SIGNALLED, "failed"),
+        (simulate, REFUSED, "failed"),
+        (prepare, REFUSED, "failed"),
+        (examine_or_refuse, SIGNALLED, "unresolved"),
+        (examine_runs, REFUSED, "unresolved"),
+    ],
+    ids=["killed", "run refused", "reference refused", "steps killed", "replay refused"],
 )
-def test_what_the_machine_killed_or_refused_is_made_again(path, undisturbed, function, failure):
+def test_what_the_machine_killed_or_refused_is_made_again(
+    path, undisturbed, function, failure, word
+):
     run(path, executor=FailingCalls(of_function(function, failure)))
-    assert {verdict.verdict for verdict in read(path).verdicts} == {"failed"}
+    assert of_heun(path).verdict == word
     run(path)
     assert differences(read(path), undisturbed) == []
+
+
+@pytest.mark.parametrize("function", [examine_or_refuse, examine_runs])
+def test_an_engine_that_crashes_only_when_it_is_examined_has_failed(path, runs, function):
+    """Its runs are ok, and what came of them is not made again."""
+    crash = CallFailed("the worker process was killed by SIGSEGV", "crash")
+    executor = FailingCalls(of_function(function, crash))
+    run(path, executor=executor)
+    assert of_heun(path).verdict == "failed"
+    assert of_heun(path).reason == f"when set to other states, it fails: {crash.reason}"
+    runs.clear()
+    run(path, executor=executor)
+    assert not runs
 
 
 OF_THE_SYSTEM = (errno.ENOSPC, errno.EMFILE, errno.EAGAIN, errno.EROFS)
