@@ -54,6 +54,20 @@ class Data(ABC):
         standard deviation. The shape beyond the first axis is that of the data.
         """
 
+    @property
+    def omegas(self) -> tuple[FloatArray, FloatArray] | None:
+        """ω as attitudes turn, and ω as it was recorded, rad/s, body axes, (n, 3) each.
+
+        None if the data have no recorded ω. Both are approximate: fits start from what they show.
+        """
+        return None
+
+    def first(self, change: Change) -> FloatArray:
+        """Return the k parameters of a change from which fits start: `Change.guess`, or zeros."""
+        if change.guess is None or self.omegas is None:
+            return np.zeros(len(change.scales))
+        return change.guess(*self.omegas)
+
     def prior_residuals(self, hypotheses: Hypothesis) -> FloatArray:
         """Return the deviations of p numbers of H hypotheses from their prior means, (H, p).
 
@@ -176,7 +190,8 @@ class Linear:
 
     Attributes
     ----------
-    residuals : residuals with parameters of zero, in units of their standard deviation, (m,)
+    residuals : residuals with the first parameters (`Data.first`), in units of their standard
+        deviation, (m,)
     jacobian : derivatives of the residuals by the scaled parameters, (m, k)
     """
 
@@ -223,13 +238,17 @@ class Trial:
 
         Parameters
         ----------
-        before : a fit of some of the changes; the parameters of the others are zero
+        before : a fit of some of the changes; the others have their first parameters
         """
         return self.hypotheses(self._start(before)[None])[0]
 
     def _start(self, before: Fit) -> FloatArray:
-        """Return k scaled parameters, (k,): those of a fit of some changes, 0 for the others."""
-        each = [before.parameters_of(one) / one.scales for one in self.changes]
+        """Return k scaled parameters, (k,): those of a fit of some changes, the others' first."""
+        each = [
+            (before.parameters_of(one) if one in before.changes else self.data.first(one))
+            / one.scales
+            for one in self.changes
+        ]
         return np.concatenate([np.empty(0), *each])
 
     def fit(self, before: Fit | None = None) -> Fit:
@@ -238,13 +257,14 @@ class Trial:
         Parameters
         ----------
         before : a fit of some of the changes, whose parameters the fit starts from. If it is None,
-            the fit starts from zero with the first samples, and goes on to more and more of them.
+            the fit starts from the first parameters of each change (`Data.first`) with the first
+            samples, and goes on to more and more of them.
             If the mean square of the residuals of a part exceeds `UNEXPLAINED`, the fit ends, and
             the residuals of all data are computed with the parameters of that part
         """
         if before is not None:
             return self._fit_from(self._start(before))
-        x = np.zeros(len(self.scales))
+        x = self._start(Trial(self.data, ()).fit()) if len(self.scales) else np.empty(0)
         for data in self.data.beginnings[:-1] if len(x) else ():
             found = Trial(data, self.changes)._least_squares(x, ROUGH, EVALUATIONS)
             x = found.x
@@ -321,7 +341,7 @@ class Trial:
 
 
 def linear(data: Data, base: Hypothesis, changes: Sequence[Change]) -> list[Linear]:
-    """Return each change with its residuals, linearised around parameters of zero.
+    """Return each change with its residuals, linearised around its first parameters.
 
     Parameters
     ----------
@@ -330,7 +350,7 @@ def linear(data: Data, base: Hypothesis, changes: Sequence[Change]) -> list[Line
     """
     if not changes:
         return []
-    around = [change.around(base) for change in changes]
+    around = [change.around(base, data.first(change)) for change in changes]
     residuals = data.residuals(Hypothesis.joined(around))
     parts = np.split(residuals, np.cumsum([len(each) for each in around])[:-1])
     return [Linear(part[0], (part[1:] - part[0]).T / SMALL) for part in parts]

@@ -76,6 +76,8 @@ class Change:
     shown : returns the numbers that the words of the change state, given the parameters, (k,)
     is_possible : returns whether a mistake can have led to a hypothesis with given parameters,
         (k,). If not, a fit that ends there only mimics the data
+    guess : returns the parameters from which a fit starts, (k,), given ω as attitudes turn and ω as
+        it was recorded, rad/s, body axes, (n, 3) each; None if fits start from zero
     """
 
     kind: str
@@ -83,6 +85,7 @@ class Change:
     scales: FloatArray
     shown: Callable[[FloatArray], Sequence[float] | FloatArray] = np.asarray
     is_possible: Callable[[Hypothesis, FloatArray], bool] = lambda _, __: True
+    guess: Callable[[FloatArray, FloatArray], FloatArray] | None = None
 
     @property
     def form(self) -> tuple[str, int]:
@@ -92,18 +95,19 @@ class Change:
         """
         return self.kind, len(self.scales)
 
-    def around(self, hypothesis: Hypothesis) -> Hypothesis:
-        """Return k + 1 changed hypotheses: all parameters zero, then one of them at a time small.
+    def around(self, hypothesis: Hypothesis, parameters: FloatArray) -> Hypothesis:
+        """Return k + 1 changed hypotheses: with given parameters, then with one at a time changed.
 
         Parameters
         ----------
         hypothesis : the one hypothesis that is changed
+        parameters : (k,)
         """
-        return self.apply(hypothesis.repeated(len(self._steps)), self._steps)
+        return self.apply(hypothesis.repeated(len(self._steps)), parameters + self._steps)
 
     @cached_property
     def _steps(self) -> FloatArray:
-        """Parameters of k + 1 hypotheses: all zero, then one of them at a time small.
+        """Small changes of parameters in k + 1 hypotheses: none, then of one at a time.
 
         The shape is (k + 1, k).
         """

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from .....reference.deviations import apart
 from .....reference.following import APPROXIMATE, ERROR, EXACT, Integrator, follow_each
 from .....scenarios import FloatArray, Scenario, Trajectory
-from .....scenarios.rotation import norms
+from .....scenarios.rotation import norms, rotation_vectors
 from ...explaining.fit import Data, Fit
 from ...explaining.hypothesis import Hypothesis, as_it_is
 from ...explaining.search import LEFT
@@ -61,6 +61,18 @@ class Log(Data):
         """The largest rate at which the body turns or its state changes, rad/s."""
         speeds = norms(np.vstack([self.states[:, 4:], self.scene_start[None, 4:]]))
         return float(max(speeds.max(), float(self.base.rate), self.noise[1]))
+
+    @cached_property
+    def omegas(self) -> tuple[FloatArray, FloatArray] | None:
+        """The mean ω between samples, by attitudes and as recorded, rad/s, (n - 1, 3) each.
+
+        None if ω was not recorded.
+        """
+        if not self.has_omega:
+            return None
+        q, omega = np.split(self.states, [4], axis=1)
+        rates = rotation_vectors(q[:-1], q[1:]) / np.diff(self.t)[:, None]
+        return rates, (omega[:-1] + omega[1:]) / 2
 
     @property
     def fastest(self) -> float:

@@ -56,6 +56,11 @@ class ReadOmega(Data):
     read: FloatArray
     error: float
 
+    @property
+    def omegas(self) -> tuple[FloatArray, FloatArray]:
+        """The body's ω and the recorded ω, rad/s, (n, 3) each."""
+        return self.body[:, 4:], self.read
+
     def deviations(self, hypotheses: Hypothesis) -> FloatArray:
         """Return what sensors read as ω with H hypotheses, less `read`, in units of `error`.
 

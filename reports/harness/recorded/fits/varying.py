@@ -98,7 +98,7 @@ def _fit(
     The parameters of the last iteration, (S,), and the residuals with them, (S, 6)
     """
     numbers, size = np.zeros(len(parts)), float(change.scales[0])
-    rest, stepped = _clip(data.deviations(change.around(data.base)))
+    rest, stepped = _clip(data.deviations(change.around(data.base, data.first(change))))
     slopes = (stepped - rest) / SMALL
     for _ in range(STEPS):
         squares = np.maximum(np.sum(slopes**2, axis=1), 1 / NOT_FINITE)

@@ -12,7 +12,7 @@ from .....reference.deviations import apart
 from .....reference.following import EXACT, Integrator, follow, follow_each
 from .....reference.other_equations import OtherEquations, equations_of
 from .....scenarios import FloatArray, Scenario, Trajectory
-from .....scenarios.rotation import norms
+from .....scenarios.rotation import norms, rotation_vectors
 from ...explaining.fit import Data
 from ...explaining.hypothesis import Hypothesis, as_it_is
 from .sensors import as_it_was, as_read
@@ -65,6 +65,17 @@ class Intervals(Data):
         The residuals of each of S intervals are three of attitude, rad, and three of ω, rad/s.
         """
         return np.repeat(np.hypot(self.noise, self.method), 3, axis=1)
+
+    @cached_property
+    def omegas(self) -> tuple[FloatArray, FloatArray] | None:
+        """The mean ω of each interval, by its attitudes and as recorded, rad/s, (S, 3) each.
+
+        None if ω was not recorded.
+        """
+        if self.is_derived:
+            return None
+        rates = rotation_vectors(self.starts[:, :4], self.ends[:, :4]) / self.spans
+        return rates, (self.starts[:, 4:] + self.ends[:, 4:]) / 2
 
     @cached_property
     def fastest(self) -> float:

@@ -93,6 +93,43 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     -------
     Sentences on one or two mistakes; often none
     """
+    words = _of_beginning(scenario, exact, reading)
+    first = matrices(exact.q_world_body_wxyz[:1])[0]
+    for k, word in enumerate(words):
+        if word in (words_of_columns for words_of_columns, *_ in COLUMNS_OF_OMEGA):
+            undone = without(words[:k], reading, scenario, first)
+            words[k] = _columns_of_omega(undone, word) if undone else word
+    return words
+
+
+def _columns_of_omega(reading: Reading, found: str) -> str:
+    """Return the sentence on the order and signs of ω's columns that suit all samples best.
+
+    In its beginning a motion may have an ω of nearly one direction, which shows the others badly.
+
+    Parameters
+    ----------
+    reading : all samples of the recording, with attitudes that are right
+    found : the sentence that suits the beginning. It is returned unless with another order the
+        deviation of ω from the rates of the attitudes is smaller by more than the fraction `LEFT`
+    """
+    omega = np.asarray(reading.omega)
+    errors = {
+        words: _kinematic_error(reading._replace(omega=omega[:, columns] * signs))
+        for words, columns, signs in COLUMNS_OF_OMEGA
+    }
+    best = min(errors, key=errors.__getitem__)
+    return best if errors[best] < (1 - LEFT) * errors[found] else found
+
+
+def _of_beginning(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
+    """Return sentences on one or two mistakes that the beginning of a recording shows; often none.
+
+    Parameters
+    ----------
+    exact : the exact motion at the recording's times
+    reading : the samples of the recording as they were read
+    """
     beginning = _Beginning(scenario, exact)
     given, shorter = (reading.rows(slice(_samples_until(exact, turn))) for turn in BEGINNINGS)
 

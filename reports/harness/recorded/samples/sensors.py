@@ -17,6 +17,9 @@ from ...explaining.hypothesis import Change, Hypothesis
 FURTHEST = 1.0
 #: Relative tolerance with which a scale factor is recognised as that from rad to degrees.
 DEGREES = 1e-2
+#: Least rotation of a gyroscope's axes that a fit does not find from zero, rad. Weight of the
+#: rotations that ω does not show, relative to those that it does.
+NEAR, UNSHOWN = 1.0, 1e-4
 #: Number of nodes of a filter's quadrature. With one less, the error exceeds a noise of 1e-4 of ω.
 NODES = 4
 #: The change in which I ω + h is recorded in place of ω.
@@ -42,6 +45,27 @@ def _cross_axis(parameters: FloatArray) -> FloatArray:
     return read
 
 
+def _mounting(actual: FloatArray, read: FloatArray) -> FloatArray:
+    """Return the rotation vector, rad, (3,), of the gyroscope's axes that explains ω best.
+
+    It is found without iteration (W. Kabsch, Acta Cryst. A32 (1976) 922). What ω does not show of
+    the rotation, as about its own direction if that is constant, is as small as possible. The
+    vector is 0 if it is shorter than `NEAR`, or if such axes explain less than half of the mean
+    square difference.
+
+    Parameters
+    ----------
+    actual, read : the body's ω, and ω as it was recorded, rad/s, (n, 3) each
+    """
+    overlap = actual.T @ read
+    overlap += UNSHOWN * np.linalg.norm(overlap) * np.eye(3)
+    left, _, right = np.linalg.svd(overlap)
+    R = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+    turn = np.asarray(Rotation.from_matrix(R).as_rotvec())
+    is_shown = 2 * np.sum((read - actual @ R) ** 2) < np.sum((read - actual) ** 2)
+    return turn if is_shown and norms(turn[None])[0] > NEAR else np.zeros(3)
+
+
 SENSORS = (
     Change("bias", lambda h, n: h.of(bias=n), np.ones(3)),
     Change("scale", lambda h, n: h.of(read=h.read * (1 + n[:, None])), np.ones(3)),
@@ -49,6 +73,7 @@ SENSORS = (
         "axes",
         lambda h, n: h.of(read=h.read @ Rotation.from_rotvec(-n).as_matrix()),
         np.ones(3),
+        guess=_mounting,
     ),
     Change("lag", lambda h, n: h.of(lag=n[:, 0]), np.ones(1)),
     Change("drift", lambda h, n: h.of(drift=n), np.ones(3)),

@@ -163,6 +163,30 @@ def test_times_that_are_rounded_are_said_to_be_beside_noise(name: str) -> None:
     assert said.startswith(f"the times are rounded to {10.0**-decimals:g} s: samples are ")
 
 
+@pytest.mark.parametrize("noise", [(0.0, 0.0), (ATTITUDE, OMEGA)], ids=["computed", "measured"])
+@pytest.mark.parametrize(("name", "angle"), [(SCENES[0], 120), (SCENES[1], 165), (SCENES[2], 150)])
+def test_a_gyroscope_is_found_to_be_mounted_at_any_angle(
+    name: str, angle: float, noise: tuple[float, float]
+) -> None:
+    turn = np.radians(angle) * np.array([0.48, -0.6, 0.64])
+    arrays = log(name, *noise)
+    read = Rotation.from_rotvec(-turn).apply(arrays["omega"])
+    (said,) = named(judged(name, arrays | {"omega": read}))
+    assert said.startswith("the gyroscope's axes are turned against the body's by [")
+    shown = re.sub(r" ± [\d.]+", "", said.split("[")[1].split("]")[0])
+    assert [float(one) for one in shown.split(",")] == pytest.approx(np.degrees(turn), abs=0.1)
+
+
+@pytest.mark.parametrize("noise", [(0.0, 0.0), (ATTITUDE, OMEGA)], ids=["computed", "measured"])
+def test_the_order_of_columns_is_that_of_the_whole_log(noise: tuple[float, float]) -> None:
+    """At first ω is nearly along one axis, so that there others suit as well within the noise."""
+    arrays = log("t-handle", *noise)
+    read = Rotation.from_rotvec(np.radians([2.0, 3.0, -2.0])).apply(arrays["omega"])
+    columns, tilt = named(judged("t-handle", arrays | {"omega": read[:, [2, 1, 0]] * [1, -1, 1]}))
+    assert columns == "ω is [wz, -wy, wx] of its columns"
+    assert tilt.startswith("the gyroscope's axes are turned against the body's by [")
+
+
 def test_axes_that_are_turned_by_more_than_half_a_turn_are_turned_the_other_way_by_less() -> None:
     (axes,) = (one for one in SENSORS if one.kind == "axes")
     turn = np.array([0.0, 0.0, np.radians(240.0)])
