@@ -9,11 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....scenarios.rotation import matrices, norms
+from ....scenarios.rotation import norms
 from .case import Case
 from .samples.columns import saturated, stuck
 from .samples.digits import Shown, shown_by_digits
 from .samples.interpolated import interpolated
+from .samples.intervals import states_of
 from .samples.mistakes import mistakes, rounded_times, without
 from .samples.odd_samples import across_signs, exchanged, jitter, lost_sign, warped, wrapped
 
@@ -165,8 +166,7 @@ def _of_mistakes(case: Case) -> Finding | None:
     )
     if not wrong:
         return None
-    first = matrices(case.exact.q_world_body_wxyz[:1])[0]
-    undone = without(wrong, reading, scenario, first)
+    undone = without(wrong, reading, scenario, states_of(case.exact.until(1))[0])
     left = case.read(undone) if undone else None
     remaining = (replace(left, undone=case.undone + 1),) if left else ()
     return Finding(tuple(wrong), remaining, is_all=True)

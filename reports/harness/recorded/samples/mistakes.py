@@ -94,7 +94,7 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     Sentences on one or two mistakes; often none
     """
     words = _of_beginning(scenario, exact, reading)
-    first = matrices(exact.q_world_body_wxyz[:1])[0]
+    (first,) = states_of(exact.until(1))
     for k, word in enumerate(words):
         if word in (words_of_columns for words_of_columns, *_ in COLUMNS_OF_OMEGA):
             undone = without(words[:k], reading, scenario, first)
@@ -147,7 +147,7 @@ def _of_beginning(scenario: Scenario, exact: Trajectory, reading: Reading) -> li
 
     best = beginning.better(corrected([], given), ([], given))
     if not best[0]:
-        rare = other_readings(given, scenario, matrices(beginning.start[:, :4])[0])
+        rare = other_readings(given, scenario, beginning.start[0])
         best = beginning.better((([word], one) for word, one in rare if len(one.t) >= FEWEST), best)
     if not best[0]:
         # Mistakes of ω cannot be told apart by few samples. Only mistakes of times and attitude are
@@ -175,7 +175,7 @@ def without(
     ----------
     words : the sentences on the mistakes, as `mistakes` or `rounded_times` returned them
     reading : the samples of the recording as they were read
-    first : the exact attitude at the first sample, body to world, (3, 3)
+    first : the exact state at the first sample: q, scalar first, and ω, rad/s, body axes, (7,)
     """
     for one in words:
         every = chain(_corrections(reading, scenario), other_readings(reading, scenario, first))

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .....scenarios import FloatArray, Scenario
-from .....scenarios.rotation import matrix
+from .....scenarios.rotation import matrix, norms
 from ...explaining.changes import OTHER_COMPONENTS
 from ...explaining.search import LEFT
 from ..files.motion import Reading
@@ -24,7 +24,7 @@ SAMPLES = range(2, 6)
 #: Evenly spaced times that are fitted by least squares are further than half a unit from those that
 #: are rounded to that unit, by this fraction at most.
 FITTED = 0.25
-#: Tolerance of entries of matrices.
+#: Tolerance of entries of matrices, and of ω, relative to its size.
 ALIKE = 1e-6
 #: All orders and signs of three axes, as matrices; and those of them that are rotations.
 EVERY_AXES = [
@@ -44,7 +44,7 @@ def other_readings(
     Parameters
     ----------
     reading : the samples of the recording as they were read
-    first : the exact attitude at the first sample, body to world, (3, 3)
+    first : the exact state at the first sample: q, scalar first, and ω, rad/s, body axes, (7,)
     """
     yield from equal_times(reading)
     yield from _of_columns(reading)
@@ -142,22 +142,23 @@ def _of_axes(
     """Yield a sentence for each choice of axes that corrects the first attitude, and the reading.
 
     The axes of world and body are the scene's in another order or with other signs; those of the
-    body may be its principal axes instead. If the first recorded attitude is the identity, all
-    attitudes may have been recorded relative to the first.
+    body may be its principal axes instead, or any that make the first state the exact one. If the
+    first recorded attitude is the identity, all attitudes may have been recorded relative to the
+    first.
 
     Parameters
     ----------
-    first : the exact attitude at the first sample, body to world, (3, 3)
+    first : the exact state at the first sample: q, scalar first, and ω, rad/s, body axes, (7,)
     """
-    R = matrix(reading.q[0])
+    R, exact = matrix(reading.q[0]), matrix(first[:4])
     if np.abs(R - np.eye(3)).max() < ALIKE:
         words = "the attitude is relative to that of the first sample, as where it was set to zero"
-        yield f"{words}, along body axes", _turned(reading, first, np.eye(3))
-        q = _turned(reading, np.eye(3), first).q
+        yield f"{words}, along body axes", _turned(reading, exact, np.eye(3))
+        q = _turned(reading, np.eye(3), exact).q
         yield f"{words}, along world axes", reading._replace(q=q)
 
     def fits(world: FloatArray, body: FloatArray) -> bool:
-        return bool(np.abs(world @ R @ body - first).max() < LEFT)
+        return bool(np.abs(world @ R @ body - exact).max() < LEFT)
 
     for world, body in product(AXES, AXES):
         if fits(world, body):
@@ -175,6 +176,17 @@ def _of_axes(
         if fits(np.eye(3), body @ axes.T):
             words = "attitude and ω are those of the tensor's principal axes, not of the body's"
             yield words, _turned(reading, np.eye(3), body @ axes.T)
+    other, omega = _turned(reading, np.eye(3), R.T @ exact), reading.omega
+    turn = ", ".join(f"{angle:.4g}" for angle in Rotation.from_matrix(exact.T @ R).as_rotvec(True))
+    turn = f"of axes that are turned in the body by [{turn}]°"
+    for words, corrected in (
+        (f"attitude and ω are those {turn}", other),
+        (f"the attitude is that {turn}, and ω is not", other._replace(omega=omega)),
+    ):
+        # Only if its ω is exact, too, the first state shows that there is no noise.
+        read = np.zeros(3) if corrected.omega is None else corrected.omega[0]
+        if norms((read - first[4:])[None])[0] < ALIKE * norms(first[None, 4:])[0]:
+            yield words, corrected
 
 
 def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:

@@ -187,6 +187,21 @@ def test_the_order_of_columns_is_that_of_the_whole_log(noise: tuple[float, float
     assert tilt.startswith("the gyroscope's axes are turned against the body's by [")
 
 
+@pytest.mark.parametrize("name", ["quadrotor-body", "fast-top"])
+def test_axes_of_another_frame_are_named_where_there_is_no_noise(name: str) -> None:
+    arrays, turn = log(name, 0.0, 0.0), np.array([72.0, -90.0, 96.0])
+    R = Rotation.from_rotvec(turn, degrees=True)
+    q = (Rotation.from_quat(arrays["q"], scalar_first=True) * R).as_quat(scalar_first=True)
+    in_body = "of axes that are turned in the body by [72, -90, 96]°"
+    assert named(judged(name, arrays | {"q": q})) == [
+        f"the attitude is that {in_body}, and ω is not"
+    ]
+    read = R.inv().apply(arrays["omega"])
+    assert named(judged(name, arrays | {"q": q, "omega": read})) == [
+        f"attitude and ω are those {in_body}"
+    ]
+
+
 def test_axes_that_are_turned_by_more_than_half_a_turn_are_turned_the_other_way_by_less() -> None:
     (axes,) = (one for one in SENSORS if one.kind == "axes")
     turn = np.array([0.0, 0.0, np.radians(240.0)])
