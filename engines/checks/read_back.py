@@ -1,5 +1,6 @@
 """Compares body and start as read back from an engine with the scene's, before the first step."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import get_args
@@ -174,8 +175,10 @@ class Difference:
     @property
     def remark(self) -> str:
         """The message of a run that goes on in spite of the difference, with rounded values."""
-        wanted, got = _rounded(self.wanted), _rounded(self.got)
-        return f"'{self.what}' reads back as {got}, not {wanted}: off by {self.relative:.1%}"
+        digits = max(3, 2 - math.floor(math.log10(min(self.relative, 1.0))))
+        wanted, got = _rounded(self.wanted, digits), _rounded(self.got, digits)
+        off = f"{100 * self.relative:.2g}%"
+        return f"'{self.what}' reads back as {got}, not {wanted}: off by {off}"
 
 
 def differences(
@@ -322,9 +325,11 @@ def body_pairs(
         yield f"axial moment of rotor {number}", reading.axial[number - 1], axial
 
 
-def _rounded(values: FloatArray) -> str:
-    """Return an array as text, to three digits, with entries of the size of round-off as zero."""
+def _rounded(values: FloatArray, digits: int) -> str:
+    """Return an array as text, with so many digits, and entries of the size of round-off as 0."""
     least = float(np.finfo(float).eps) * np.abs(values).max()
     shown = np.where(np.abs(values) > least, values, 0.0)
-    written = np.array2string(shown, separator=", ", formatter={"float_kind": "{:.3g}".format})
+    written = np.array2string(
+        shown, separator=", ", formatter={"float_kind": f"{{:.{digits}g}}".format}
+    )
     return written.replace("\n", "")

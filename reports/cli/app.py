@@ -232,7 +232,7 @@ def run(
         print(to_json(results_as_json(results)))
     else:
         every = verdict_lines(results.verdicts) if verbose else ()
-        for line in (*every, *short_summary(results, timestep or [])):
+        for line in (*every, *short_summary(results, out, timestep or [])):
             print(line)
         say(f"Results are in {out}; '{command('report', out)}' makes pages of them.")
         if unproven := running.unproven_in_words(results):

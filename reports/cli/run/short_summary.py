@@ -4,6 +4,7 @@ import math
 import textwrap
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from ....engines.fault import ENVIRONMENTAL
 from ....scenarios import Signal
@@ -16,6 +17,7 @@ from ...results.records import Row
 from ...results.results import Results
 from ...results.verdict_words import LISTED
 from ...results.verdicts import Verdict
+from ..terminal import command
 from .summary import aligned, of_signals
 
 WIDTH = 80
@@ -30,16 +32,21 @@ METHODS_SHOWN, OTHERS = 8, 3
 LEAST_WHOLE = 9.5
 
 
-def short_summary(results: Results, timesteps: Sequence[float] = ()) -> list[str]:
+def short_summary(results: Results, path: Path, timesteps: Sequence[float] = ()) -> list[str]:
     """Return the lines of the summary of a run.
 
     Parameters
     ----------
+    path : the result file, which a printed command names
     timesteps : timesteps that the user asked for, s; if there are any, the errors at these
         timesteps are printed in place of those at stock timesteps and of best choices
     """
     report = report_data(results)
-    lines = [*_counts(results.verdicts), *_first_failure(results.verdicts), *_lost(results.rows)]
+    lines = [
+        *_counts(results.verdicts),
+        *_first_failure(results.verdicts, path),
+        *_lost(results.rows),
+    ]
     if timesteps:
         return [*lines, *_asked_for(results.rows, timesteps)]
     return [*lines, *_at_stock(report), *_best(report), *_finest(report)]
@@ -62,8 +69,13 @@ def _counts(verdicts: Sequence[Verdict]) -> Iterator[str]:
             yield from textwrap.wrap(f"{of_what}: {words}.", WIDTH)
 
 
-def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield lines on the first failing verdict, with its reason, and on how many more fail."""
+def _first_failure(verdicts: Sequence[Verdict], path: Path) -> Iterator[str]:
+    """Yield lines on the first failing verdict, with its reason, and on how many more fail.
+
+    Parameters
+    ----------
+    path : the result file, which a printed command names
+    """
     wrong = [verdict for verdict in verdicts if not verdict.agrees]
     if not wrong:
         return
@@ -75,7 +87,7 @@ def _first_failure(verdicts: Sequence[Verdict]) -> Iterator[str]:
     )
     if len(wrong) > 1:
         more = "1 more fails" if len(wrong) == 2 else f"{len(wrong) - 1} more fail"
-        yield f"{more}: 'spincheck rows --verdicts' has them all."
+        yield f"{more}: '{command('rows', path)} --verdicts' has them all."
 
 
 def _lost(rows: Sequence[Row]) -> Iterator[str]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from scipy.spatial.transform import Rotation
 
 from ....scenarios import SIGNAL, Errors, errors_between
+from ...harness.judging.ladder_end import GOAL
 from ...results.records import Key, Row
 from ...results.results import SceneResult
 from .cost_to_reach import Barrier, How, reach
@@ -126,12 +127,13 @@ def finest_useful(scene: SceneRuns, runs: MethodRuns) -> float | None:
     """Return the timestep, s, below which a method's errors of attitude or ω grow by rounding.
 
     The longer of the timesteps for attitude and for ω is returned. It is None if no run shows
-    growing errors, or if the scene could not be solved.
+    growing errors, if these stay below `GOAL`, or if the scene could not be solved.
     """
     if scene.solved is None:
         return None
-    found = (curve_of(scene, runs, signal).finest_useful for signal in BOUNDS)
-    return max(filter(None, found), default=None)
+    curves = [curve_of(scene, runs, signal) for signal in BOUNDS]
+    grown = (one for one in curves if one.points and one.points[-1].error > GOAL)
+    return max(filter(None, (one.finest_useful for one in grown)), default=None)
 
 
 #: Bounds on the errors of a best choice: of attitude, rad; of ω, relative to its largest value.

@@ -21,18 +21,26 @@ class Finest:
     ----------
     label : engine and method
     timesteps : timesteps below which errors grow by rounding, s, one for each scene that shows this
+    scenes : number of scenes that the method was run on
     bias : the largest bias of rounding on any scene, ulp of single precision a step; None if no
         scene shows one
     """
 
     label: str
     timesteps: tuple[float, ...]
+    scenes: int
     bias: float | None
 
     @property
     def timestep_in_words(self) -> str:
-        """The range of the timesteps below which errors grow, as text; empty if there are none."""
-        return span(self.timesteps) if self.timesteps else ""
+        """The range of the timesteps below which errors grow, and on how many scenes, as text.
+
+        It is empty if there are none. The number is left out if all scenes show that errors grow.
+        """
+        if not self.timesteps:
+            return ""
+        shown, count = span(self.timesteps), len(self.timesteps)
+        return shown if count == self.scenes else f"{shown} on {count} of {self.scenes} scenes"
 
     @property
     def bias_in_words(self) -> str:
@@ -55,6 +63,7 @@ def finest_timesteps(gathered: ReportData) -> dict[Pair, Finest]:
         pair: Finest(
             of_scenes[0][0],
             tuple(timestep for _, timestep, _ in of_scenes if timestep is not None),
+            len(of_scenes),
             max((bias for _, _, bias in of_scenes if bias is not None), default=None),
         )
         for pair, of_scenes in shown.items()

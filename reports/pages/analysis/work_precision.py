@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...results.records import OfMethod, Row
-from ...results.verdict_words import VerdictWord
+from ...results.verdict_words import VERDICT, VerdictWord
 from .observed_order import observed_order
 from .report_data import MethodRuns, SceneRuns
 
@@ -112,12 +112,13 @@ class Curve(OfMethod):
     def least(self) -> CurvePoint | None:
         """The run in `stable` with the least error, if errors at shorter timesteps grow, else None.
 
+        It is None for a method whose verdict fails, too: its errors need not grow by rounding.
         As a single larger error may be chance, there must be at least two runs at shorter
         timesteps, stock ones included, and the finest must have an error larger by the factor
         `GROWN`. In addition, their errors must either grow from each run to the next, or all be
         larger by that factor, with the finest run's at least the largest divided by `GROWN`.
         """
-        if not self.stable:
+        if not self.stable or (self.verdict and VERDICT[self.verdict].fails):
             return None
         least = min(self.stable, key=lambda point: point.error)
         points = sorted(self.points, key=lambda point: -point.timestep)

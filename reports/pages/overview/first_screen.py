@@ -28,8 +28,8 @@ MEASURES = (
     "timestep",
     "1° off after",
     "error a turn",
-    "off at the end",
-    "at worst",
+    "largest error",
+    "on the worst scene",
     FINEST,
     "CPU time of a step",
     "pruned",
@@ -117,7 +117,9 @@ def _lead(shipped: Sequence[Usual], instead: Sequence[Usual]) -> str:
     def sizes(these: Sequence[Usual]) -> str:
         return ", ".join(f"{one.label} {_median(one)}" for one in these)
 
-    sentences = [f"With defaults and stock timesteps the attitude ends off by: {sizes(shipped)}"]
+    sentences = [
+        f"With defaults and stock timesteps the attitude is off by up to: {sizes(shipped)}"
+    ]
     if instead:
         sentences.append(f"Use another method, at the same timestep: {sizes(instead)}")
     return _sentences(sentences)

@@ -185,12 +185,14 @@ def hard_scenes(gathered: ReportData) -> tuple[SceneRuns, ...]:
 def survivors_table(gathered: ReportData) -> Table:
     """Return a table of how many hard scenes each method survives, at several turns in a step.
 
-    The turn in a step is the timestep times the scene's fastest rate, rad.
+    The turn in a step is the timestep times the scene's fastest rate, rad. Its median leaves out
+    scenes whose rate is zero.
     """
     reached = ", ".join(f"count(*) FILTER (WHERE at_least OR turn >= {turn})" for turn in TURNS)
     question = f"""
         WITH can AS (SELECT * FROM tried WHERE hard AND at_least IS NOT NULL)
-        SELECT every.engine, every.method, median(iif(scene IS NULL, NULL, coalesce(turn, 0))),
+        SELECT every.engine, every.method,
+            median(iif(scene IS NULL OR turn = 0, NULL, coalesce(turn, 0))),
             count(scene), count(*) FILTER (WHERE verdict = 'converges'), count(survives), {reached}
         FROM (SELECT DISTINCT engine, method, place FROM tried) AS every
             LEFT JOIN can USING (engine, method) GROUP BY 1, 2 ORDER BY every.place"""

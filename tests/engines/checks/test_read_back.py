@@ -5,7 +5,7 @@ import pytest
 from case_loops import each_case
 from scene_texts import scene
 from spincheck.engines import BodyReading, State
-from spincheck.engines.checks.read_back import READ_BACK_SLACK, differences
+from spincheck.engines.checks.read_back import READ_BACK_SLACK, Difference, differences
 from spincheck.scenarios.rotation import matrix
 
 #: m; beside it the tensor about the origin is that of the arm: m r² is 500 times the tensor's.
@@ -85,3 +85,12 @@ def test_omega_along_the_other_axes_is_told_so(misread, is_turned):
     omega_body = misread(start.omega_body, matrix(start.q_world_body_wxyz))
     (off,) = told(scene(), omega_body=omega_body)
     assert ("along the other axes" in off.complaint) == is_turned
+
+
+@pytest.mark.parametrize("relative", [0.03, 3e-5, 3e-9])
+def test_a_remark_shows_in_which_digit_a_quantity_differs(relative: float) -> None:
+    wanted = np.array([0.2])
+    differing = Difference("mass", wanted, wanted * (1 + relative), relative)
+    got, _, others = differing.remark.removeprefix("'mass' reads back as ").partition(", not ")
+    assert got != others.partition(":")[0]
+    assert f"off by {100 * relative:.2g}%" in others

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,6 +32,7 @@ from spincheck.reports.pages.analysis.wording import duration
 from spincheck.reports.pages.analysis.work_precision import EPS, curve_of
 from spincheck.reports.results.records import Key, Row
 from spincheck.reports.results.results import SceneResult
+from spincheck.reports.results.verdict_words import VerdictWord
 from spincheck.scenarios import Errors
 
 
@@ -122,10 +124,21 @@ def test_a_run_ends_with_the_timestep_below_which_errors_grow(grows: bool) -> No
     rounding = 16 * straight(TIMESTEPS[-1]) * TIMESTEPS[-1] * grows
     stored = with_law(lambda timestep: straight(timestep) + rounding / timestep)
     least = min(TIMESTEPS, key=lambda timestep: straight(timestep) + rounding / timestep)
-    lines = [line for line in short_summary(stored) if "Finer than this makes it worse" in line]
+    every = short_summary(stored, Path("results.sqlite"))
+    lines = [line for line in every if "Finer than this makes it worse" in line]
     of_json = {one["method"]: one["finest_useful_timestep"] for one in verdict_records(stored)}
     assert of_json["Euler"] == (least if grows else None)
     assert [f"Euler {duration(least)}" in line for line in lines] == [True] * grows
+
+
+@pytest.mark.parametrize(("size", "word"), [(1e-13, "converges"), (1.0, "disagrees")])
+def test_errors_that_grow_below_what_matters_or_without_converging_are_no_reason_against_finer(
+    size: float, word: VerdictWord
+) -> None:
+    rounding = 16 * straight(TIMESTEPS[-1]) * TIMESTEPS[-1]
+    stored = with_law(lambda timestep: size * (straight(timestep) + rounding / timestep))
+    stored = replace(stored, verdicts=[replace(one, verdict=word) for one in stored.verdicts])
+    assert "makes it worse" not in " ".join(short_summary(stored, Path("results.sqlite")))
 
 
 def test_costs_within_the_spread_of_the_timings_are_called_alike() -> None:

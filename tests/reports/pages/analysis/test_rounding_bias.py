@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from case_loops import each_case
@@ -46,7 +47,7 @@ def bias_of(stored: Results) -> float | None:
 
 
 def printed(stored: Results) -> str:
-    return " ".join(" ".join(short_summary(stored)).split())
+    return " ".join(" ".join(short_summary(stored, Path("results.sqlite"))).split())
 
 
 def test_a_bias_is_said_where_the_floor_is() -> None:
@@ -68,7 +69,7 @@ def test_a_bias_is_said_before_it_makes_errors_grow() -> None:
 
 
 def test_only_the_first_of_many_methods_are_named() -> None:
-    shown = [Finest(f"made-up {k}", (0.01,), None) for k in range(NAMED + 2)]
+    shown = [Finest(f"made-up {k}", (0.01,), 1, None) for k in range(NAMED + 2)]
     (words,) = finest_in_words(shown)
     assert words.count("10 ms") == NAMED
     assert words.endswith("; and 2 other methods")

@@ -99,9 +99,9 @@ def test_the_defaults_are_reported_with_their_size_in_degrees_unless_they_blow_u
     assert f"mujoco default {degrees}" in found["lead"]
     assert "medians of 2 scenes" in found["about"]
     default = shown(found, "mujoco default")
-    assert (default["timestep"], default["off at the end"]) == ("10 ms", degrees)
+    assert (default["timestep"], default["largest error"]) == ("10 ms", degrees)
     assert "pybullet default lost on 2 of 2 scenes" in found["lead"]
-    assert shown(found, "pybullet default")["at worst"] == "∞ 2 runs blew up"
+    assert shown(found, "pybullet default")["on the worst scene"] == "∞ 2 runs blew up"
     # Without engines as shipped there is nothing to answer.
     assert answer(report_data(results())) is None
 
@@ -163,7 +163,7 @@ def test_what_an_engine_cannot_simulate_did_not_blow_up():
         return replace(row, outcome="unsupported", errors=None, motion=None)
 
     found = answered(cannot)
-    assert "blew up" not in shown(found, "mujoco default")["at worst"]
+    assert "blew up" not in shown(found, "mujoco default")["on the worst scene"]
     assert "medians of 1 scene;" in found["about"]
 
 
