@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from ....engines.child.process import ANSWER_LIMIT
 from ....engines.fault import ENVIRONMENTAL, Cause
 from ....engines.lost_process import Overdue, death, last_line
 from .executor import Answer, CallFailed, ExecutorStopped
@@ -177,8 +178,8 @@ def cause_of_unsolved(failure: CallFailed) -> Cause:
 def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -> bool:
     """Whether a call that failed may succeed if it is made again.
 
-    It may if the machine is to blame. It also may if the call exceeded a limit of CPU time that was
-    lower than the present one.
+    It may if the machine is to blame. It also may if the call, or the answer of an engine that is a
+    program of its own, exceeded a limit of CPU time that was lower than the present one.
 
     Parameters
     ----------
@@ -187,5 +188,8 @@ def may_succeed_if_repeated(cause: str, reason: str, time_limit: float | None) -
     """
     if is_environmental(cause):
         return True
-    stopped = re.search(f"{_OVERDUE}([^ ]+) s", reason)
-    return stopped is not None and float(stopped[1]) < (time_limit or TIME_LIMIT)
+    limit = time_limit or TIME_LIMIT
+    if stopped := re.search(f"{_OVERDUE}([^ ]+) s", reason):
+        return float(stopped[1]) < limit
+    unanswered = re.search(r"did not answer '\w+' within ([^ ]+) s", reason)
+    return unanswered is not None and float(unanswered[1]) < min(limit, ANSWER_LIMIT)

@@ -12,6 +12,7 @@ from failing_calls import FailingCalls, of_function
 from ladders import only
 from planted import HeunSession, RaisingSession, planted
 from same_results import differences
+from spincheck.engines.child import ANSWER_LIMIT
 from spincheck.engines.lost_process import KILLED
 from spincheck.reports.harness import study as study_module
 from spincheck.reports.harness.choice import Choice
@@ -274,20 +275,25 @@ def overrun(path: Path, reason: str) -> None:
         store.put_verdict(replace(verdict, verdict="failed", quoted=reason))
 
 
+RUN, CHILD = "did not finish", "it did not answer 'advance'"
+
+
 @pytest.mark.parametrize(
-    ("exceeded", "time_limit", "again"),
+    ("what", "exceeded", "time_limit", "again"),
     [
-        (TIME_LIMIT, None, False),
-        (TIME_LIMIT / 2, None, True),
-        (TIME_LIMIT, TIME_LIMIT / 2, False),
-        (TIME_LIMIT, TIME_LIMIT, False),
-        (TIME_LIMIT, 2 * TIME_LIMIT, True),
+        (RUN, TIME_LIMIT, None, False),
+        (RUN, TIME_LIMIT / 2, None, True),
+        (RUN, TIME_LIMIT, TIME_LIMIT / 2, False),
+        (RUN, TIME_LIMIT, TIME_LIMIT, False),
+        (RUN, TIME_LIMIT, 2 * TIME_LIMIT, True),
+        (CHILD, ANSWER_LIMIT / 2, None, True),
+        (CHILD, ANSWER_LIMIT, 2 * TIME_LIMIT, False),
     ],
 )
 def test_what_was_stopped_is_run_again_by_whoever_gives_it_longer(
-    finished, runs, undisturbed, exceeded, time_limit, again
+    finished, runs, undisturbed, what, exceeded, time_limit, again
 ):
-    overrun(finished, f"did not finish within {exceeded:g} s; it last printed: a word")
+    overrun(finished, f"{what} within {exceeded:g} s; it last printed: a word")
     runs.clear()
     run(finished, replace(LADDER, time_limit=time_limit))
     assert {row.key.engine for row in runs} == ({"Heun"} if again else set())
