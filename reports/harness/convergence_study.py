@@ -124,13 +124,14 @@ class ConvergenceStudy:
     def made_runs(self) -> tuple[list[MadeRun], list[MadeRun]]:
         """The runs that may be replayed: those of the ladder, coarse to fine, and the others.
 
-        The others are at single timesteps and at the engine's own stock timestep. Only `ok` runs
-        whose motion is known at all samples are included.
+        The others are at single timesteps and at the engine's own stock timestep, one at each. Only
+        `ok` runs whose motion is known at all samples are included.
         """
         ladder = self.ladder.rungs if self.ladder else ()
-        others = [planned.rung for planned in self.singles]
         own = stock_timestep(self.engine)
-        others += [run.rung for run in self.stock if run.rung and run.timestep == own]
+        stock = [run.rung for run in self.stock if run.rung and run.timestep == own]
+        singles = [planned.rung for planned in self.singles]
+        others = {rung.timestep: rung for rung in [*singles, *stock]}
 
         def made(rungs: Iterable[Rung], rows: list[Row]) -> list[MadeRun]:
             by_timestep = {row.timestep: row for row in rows if row.outcome == "ok"}
@@ -142,7 +143,7 @@ class ConvergenceStudy:
                 and len(row.motion.t) == len(rung.sample_steps)
             ]
 
-        return made(ladder, self.rows), made(others, self.single_rows + self.stock_rows)
+        return made(ladder, self.rows), made(others.values(), self.single_rows + self.stock_rows)
 
     @property
     def key(self) -> Key:

@@ -110,9 +110,11 @@ class Curve(OfMethod):
 
     @cached_property
     def least(self) -> CurvePoint | None:
-        """The run in `stable` with the least error, if errors at shorter timesteps grow, else None.
+        """The run with the least error, if errors at shorter timesteps grow, else None.
 
-        It is None for a method whose verdict fails, too: its errors need not grow by rounding.
+        Runs at timesteps longer than all in `stable` are left out. It is None for a method whose
+        verdict fails, too: its errors need not grow by rounding.
+
         As a single larger error may be chance, there must be at least two runs at shorter
         timesteps, stock ones included, and the finest must have an error larger by the factor
         `GROWN`. In addition, their errors must either grow from each run to the next, or all be
@@ -120,8 +122,11 @@ class Curve(OfMethod):
         """
         if not self.stable or (self.verdict and VERDICT[self.verdict].fails):
             return None
-        least = min(self.stable, key=lambda point: point.error)
+        coarsest = max(point.timestep for point in self.stable)
         points = sorted(self.points, key=lambda point: -point.timestep)
+        least = min(
+            (point for point in points if point.timestep <= coarsest), key=lambda point: point.error
+        )
         finer = [point.error for point in points if point.timestep < least.timestep]
         if len(finer) < 2 or finer[-1] <= GROWN * least.error:
             return None

@@ -6,6 +6,7 @@ Verified is what is measured of a run; verdicts on it are in `test_false_passes.
 import numpy as np
 import pytest
 import stepped_faults as planted
+from box import BOX
 from library_scenes import library_scene
 from looked_at import in_words
 from spincheck.engines import EngineError, State
@@ -16,7 +17,7 @@ from spincheck.reports.harness.measuring.places import changed_at_random
 from spincheck.reports.harness.prepared import prepare
 from spincheck.reports.harness.study import convergence_study_of
 from spincheck.reports.results.evidence import LEVEL, ReplayEvidence
-from spincheck.scenarios import Scenario
+from spincheck.scenarios import Scenario, loads
 from stepped import Stepped, SteppedEngine
 from studies import verdict_of
 
@@ -78,6 +79,16 @@ def test_no_engine_is_asked_for_no_steps() -> None:
     study = studied(TakesSome)
     assert study.refusal is None
     assert study.own_steps is not None
+
+
+def test_a_run_at_the_stock_timestep_that_an_expectation_names_as_well_is_replayed_once() -> None:
+    engine = SteppedEngine(Stepped, 0.0, stock_timestep=0.02)
+    names = f'engine = "{engine.name}"\nmethod = "RK4"\ntimestep = 0.02\nomega = 1.0\n'
+    scene = loads(f"{BOX}[[expect]]\n{names}", "box")
+    solved = prepare(scene, (0.02,), FEW, [0.02])
+    study = convergence_study_of(scene, engine, engine.method("RK4"), solved)
+    verdict_of(study)
+    assert [one.timestep for one in study.replays].count(0.02) == 1
 
 
 @pytest.mark.parametrize("method", ["Euler", "RK4"])
