@@ -327,7 +327,7 @@ def reversed_wheels() -> Arrays:
 def sloshing() -> Arrays:
     """A ball of fuel that is dragged along by the body, and slows it."""
     drag, ball, start = 0.2, 0.05, FREE.scenario.start
-    rates, times = rates_of(FREE), np.linspace(0, 20, 501)
+    rates, times = rates_of(FREE), np.linspace(0, 20, 251)
 
     def every_rate(_: float, y: np.ndarray) -> np.ndarray:
         q, omega, of_ball = y[:4], y[4:7], y[7:]
@@ -526,13 +526,13 @@ HIDDEN = {
         WHEELED, reversed_wheels, ("it moves as if the rotors turned the other way round",)
     ),
     "fuel that sloshes": Hidden(
-        changed(FREE, window={"duration": 20.0, "samples": 501}).scenario,
+        changed(FREE, window={"duration": 20.0, "samples": 251}).scenario,
         sloshing,
         ("its energy falls by ",),
         NOISY,
     ),
     "the same, beneath the error of one step from sample to sample": Hidden(
-        changed(FREE, window={"duration": 20.0, "samples": 501}).scenario,
+        changed(FREE, window={"duration": 20.0, "samples": 251}).scenario,
         sloshing,
         ("its energy falls by ",),
     ),

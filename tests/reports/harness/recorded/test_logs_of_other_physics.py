@@ -16,7 +16,7 @@ from spincheck.scenarios import Scenario
 
 pytestmark = pytest.mark.slow
 
-FREE, HEAVY = case(303, samples=201), case(402, is_pivoted=True, samples=201)
+FREE, HEAVY = case(303, samples=101), case(402, is_pivoted=True, samples=101)
 #: A body, and a torque along each axis, N m, which an eighth of its log does not tell from others.
 LONG, SMALL = case(324, samples=1001), 2e-4
 MOMENT = float(np.trace(FREE.inertia)) / 3
@@ -24,6 +24,9 @@ SPEED = float(np.linalg.norm(FREE.scenario.start.omega_body))
 #: A tensor whose products of inertia have the other sign, and drag, N m s.
 OTHER = FREE.inertia * (2 * np.eye(3) - 1)
 DRAGGED = changed(FREE, effects={"drag": {"rotational": 0.1 * MOMENT}})
+#: What half as many samples do not tell from other changes.
+FINE = case(303, samples=201)
+FINE_DRAGGED = changed(FINE, effects={"drag": {"rotational": 0.1 * MOMENT}})
 RATE = 0.15
 CROSSED = np.eye(3) + np.outer([0, 0, 1], [0.08, 0, 0])
 
@@ -84,7 +87,7 @@ def dragged_by_a_power() -> Arrays:
     def torque(omega: np.ndarray) -> np.ndarray:
         return -0.05 * MOMENT * np.sqrt(np.linalg.norm(omega)) * omega
 
-    return exactly(DRAGGED, rates_of(DRAGGED, torque=torque))
+    return exactly(FINE_DRAGGED, rates_of(FINE_DRAGGED, torque=torque))
 
 
 def attitudes_of(arrays: Arrays) -> Arrays:
@@ -153,7 +156,7 @@ LOGS: dict[str, Hidden] = {
         numbers=(RATE,),
     ),
     "drag of another power": Hidden(
-        DRAGGED.scenario,
+        FINE_DRAGGED.scenario,
         lambda: noisy(dragged_by_a_power()),
         ("it moves as if drag were ",),
         NOISY,
@@ -178,8 +181,8 @@ LOGS: dict[str, Hidden] = {
         FREE.scenario, rows_of_uneven_times, ("the times are off by 0.0026 s",)
     ),
     "attitudes that are early": Hidden(
-        FREE.scenario,
-        lambda: noisy_attitudes(a_little_late(right(FREE), 0.06)),
+        FINE.scenario,
+        lambda: noisy_attitudes(a_little_late(right(FINE), 0.06)),
         ("each state is that of ",),
         numbers=(0.06,),
     ),
