@@ -28,7 +28,7 @@ pytestmark = pytest.mark.slow
 #: Steps; Heun's method in Python takes some 30 µs each.
 BUDGET = 1 << 9
 #: s, of CPU or idle: longer than the ladder of the faultless one takes.
-TIME_LIMIT = 5.0
+TIME_LIMIT = 2.0
 #: s, of the window of `BOX`.
 HALFWAY = 0.5
 

@@ -44,7 +44,7 @@ FEW = ("fast-top", "book-in-skew-axes", "lopsided-body", "gliding-top")
 #: MuJoCo's own.
 HONEST = MuJoCoSession.derivatives
 #: CPU time that a call may take, s, which only one without end takes.
-LIMIT = 5.0
+LIMIT = 2.0
 #: What an engine or its adapter does not differentiate, by words of the reason.
 OUT_OF_REACH = ("RK4 integrator is not supported", "its caller's")
 #: Of MJX's, which are compiled for half a minute each: forward and in reverse, of a step and many.
