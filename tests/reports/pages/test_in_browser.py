@@ -89,11 +89,17 @@ def open_table(visit: Visit, folder: Path) -> Page:
     return open_page(visit, folder)
 
 
-def draw_all(page: Page) -> None:
-    """Come past every figure, as a reader does, and wait until it is drawn."""
-    page.evaluate("for (const d of document.querySelectorAll('details')) d.open = true")
-    for plot in page.locator(".plot").all():
-        draw(plot)
+#: Comes past every figure, as a reader does, and waits until it is drawn.
+PASS_BY = """async (patience) => {
+  for (const one of document.querySelectorAll("details")) one.open = true;
+  for (const plot of document.querySelectorAll(".plot")) {
+    plot.scrollIntoView();
+    for (const end = Date.now() + patience; !plot.querySelector(".main-svg"); ) {
+      if (Date.now() > end) throw new Error(`not drawn: ${plot.outerHTML.slice(0, 200)}`);
+      await new Promise((resolve) => setTimeout(resolve, 5));
+    }
+  }
+}"""
 
 
 def draw(plot: Locator) -> None:
@@ -110,7 +116,7 @@ def test_every_page_draws_its_figures_fits_a_desk_and_a_phone_and_asks_for_nothi
     too_wide, windows = [], [DESK, PHONE]
     for path in sorted(folder.rglob("*.html")):
         page = open_page(visit, folder, str(path.relative_to(folder)))
-        draw_all(page)
+        page.evaluate(PASS_BY, PATIENCE)
         for window in windows:
             page.set_viewport_size(window)
             if (width := widest(page)) > window["width"]:
