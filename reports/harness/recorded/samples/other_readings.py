@@ -18,8 +18,8 @@ from ...explaining.search import LEFT
 from ..files.motion import Reading
 from ..files.recording import unit_of
 
-#: The numbers of samples by which ω may be older or newer than the attitude; one sample is tried in
-#: `mistakes.py`.
+#: The numbers of samples by which ω may be older or newer than the attitude, or states may be early
+#: or late; one sample is tried in `mistakes.py`.
 SAMPLES = range(2, 6)
 #: Evenly spaced times that are fitted by least squares are further than half a unit from those that
 #: are rounded to that unit, by this fraction at most.
@@ -49,6 +49,7 @@ def other_readings(
     yield from equal_times(reading)
     yield from _of_columns(reading)
     yield from _of_angles(reading)
+    yield from _of_shifts(reading)
     if reading.omega is not None:
         yield from _of_age(reading, reading.omega)
     yield from _of_components(reading)
@@ -121,6 +122,18 @@ def _of_angles(reading: Reading) -> Iterator[tuple[str, Reading]]:
                 q = Rotation.from_euler(right, given).as_quat(scalar_first=True)
                 words = f"the attitude's Euler angles {right} were {how} {used}"
                 yield words, reading._replace(q=q)
+
+
+def _of_shifts(reading: Reading) -> Iterator[tuple[str, Reading]]:
+    """Yield a sentence for each number of samples by which states may be early or late.
+
+    Each sentence comes with the reading at corrected times.
+    """
+    step = float(np.diff(reading.t).min())
+    for samples in SAMPLES:
+        for sign, when in ((1, "after"), (-1, "before")):
+            words = f"each state is that of {samples} samples {when} its time"
+            yield words, reading._replace(t=reading.t + sign * samples * step)
 
 
 def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]]:

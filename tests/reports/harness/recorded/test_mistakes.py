@@ -70,6 +70,10 @@ PLANTED = {
         lambda a, later: {"q": later(1)["q"], "omega": later(1)["omega"]},
         ["each state is that of one sample after its time"],
     ),
+    "later": (
+        lambda a, later: {"q": later(2)["q"], "omega": later(2)["omega"]},
+        ["each state is that of 2 samples after its time"],
+    ),
     "half a sample": (
         lambda a, later: {"q": later(0.5)["q"], "omega": later(0.5)["omega"]},
         ["each state is that of half a sample after its time"],
