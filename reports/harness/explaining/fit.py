@@ -242,14 +242,17 @@ class Trial:
         """
         return self.hypotheses(self._start(before)[None])[0]
 
-    def _start(self, before: Fit) -> FloatArray:
-        """Return k scaled parameters, (k,): those of a fit of some changes, the others' first."""
+    def _start(self, before: Fit | None) -> FloatArray:
+        """Return k scaled parameters, (k,): those of a fit of some changes, the others' first.
+
+        Without a fit, all are the first parameters of the changes (`Data.first`).
+        """
+        fitted = before.changes if before else ()
         each = [
-            (before.parameters_of(one) if one in before.changes else self.data.first(one))
-            / one.scales
+            before.parameters_of(one) if before and one in fitted else self.data.first(one)
             for one in self.changes
         ]
-        return np.concatenate([np.empty(0), *each])
+        return np.concatenate([np.empty(0), *each]) / self.scales
 
     def fit(self, before: Fit | None = None) -> Fit:
         """Fit the parameters by least squares.
@@ -264,7 +267,7 @@ class Trial:
         """
         if before is not None:
             return self._fit_from(self._start(before))
-        x = self._start(Trial(self.data, ()).fit()) if len(self.scales) else np.empty(0)
+        x = self._start(None)
         for data in self.data.beginnings[:-1] if len(x) else ():
             found = Trial(data, self.changes)._least_squares(x, ROUGH, EVALUATIONS)
             x = found.x

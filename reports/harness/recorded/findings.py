@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ....scenarios.rotation import norms
 from .case import Case
 from .samples.columns import saturated, stuck
-from .samples.digits import Shown, shown_by_digits
+from .samples.digits import Shown, shown_by_digits, where
 from .samples.interpolated import interpolated
 from .samples.intervals import states_of
 from .samples.mistakes import mistakes, rounded_times, without
@@ -20,9 +20,9 @@ from .samples.odd_samples import across_signs, exchanged, jitter, lost_sign, war
 
 #: Mistakes in recording are looked for if they have been corrected at most this many times before.
 MOST_UNDONE = 2
-#: An ω that is more than `OFF_SCALE` times the exact one is in none of the units that are tried for
-#: it. It is divided by the factor if the attitudes turn no more than `FASTER` times as fast, or as
-#: slowly, as the exact ones.
+#: An ω that is more than `OFF_SCALE` times the exact one, or less than the exact one divided by it,
+#: is in none of the units that are tried for it. It is divided by the factor if the attitudes turn
+#: no more than `FASTER` times as fast, or as slowly, as the exact ones.
 OFF_SCALE, FASTER = 100.0, 2.0
 #: Largest root mean square difference of ω, divided by the factor, from the rates of the attitudes,
 #: relative to these, both less their means; and an angle between samples, rad, that no recording
@@ -58,12 +58,12 @@ def finding(case: Case) -> Finding | None:
 
     What the numbers alone show is looked for first, and then what the equations of motion show.
     """
-    found = _of_scale(case) or _of_numbers(case)
+    found = _of_scale(case) or _of_absurd_samples(case) or _of_numbers(case)
     return found or _of_mistakes(case) or _of_times(case) or _of_jumps(case)
 
 
 def _of_scale(case: Case) -> Finding | None:
-    """Return the finding that ω is far larger than the attitudes turn; None if it is not.
+    """Return the finding that ω is far larger, or smaller, than the attitudes turn; else None.
 
     `Finding.left` has the case with ω divided by the factor, and the case without ω.
     """
@@ -80,7 +80,7 @@ def _of_scale(case: Case) -> Finding | None:
 
 
 def _factor_of_omega(case: Case) -> float:
-    """Return by which factor ω is too large; 0 if it is not, or by no more than `OFF_SCALE`.
+    """Return by which factor ω is too large; 0 if it is so, or too small, by `OFF_SCALE` at most.
 
     The attitudes must turn at most twice as fast, or half as fast, as the exact ones. Besides, ω
     divided by the factor must vary as the rates of the attitudes do, perhaps along other axes, so
@@ -93,7 +93,8 @@ def _factor_of_omega(case: Case) -> float:
     factor, turned = (
         float(np.median(norms(each)[turns] / exact[turns])) for each in (omega[:-1], rates)
     )
-    if factor < OFF_SCALE or not 1 / FASTER < turned < FASTER:
+    is_of_scale = 1 / OFF_SCALE <= factor <= OFF_SCALE
+    if not factor or is_of_scale or not 1 / FASTER < turned < FASTER:
         return 0.0
     if np.median(norms(omega[:-1]) * case.numbers.spans) > ABSURD:
         return factor
@@ -102,6 +103,24 @@ def _factor_of_omega(case: Case) -> float:
     overlap = float(np.linalg.svd(varying.T @ scaled, compute_uv=False).sum())
     apart = np.sum(varying**2) + np.sum(scaled**2) - 2 * overlap
     return factor if apart <= ALIKE**2 * np.sum(varying**2) else 0.0
+
+
+def _of_absurd_samples(case: Case) -> Finding | None:
+    """Return the finding that ω is absurd at some samples, as where a packet is lost; else None.
+
+    With such an ω the body would turn by more than `ABSURD` from sample to sample. `Finding.left`
+    has the case without these samples.
+    """
+    omega, spans = case.reading.omega, case.numbers.spans
+    if omega is None:
+        return None
+    is_absurd = np.abs(omega).max(axis=1) > ABSURD / np.append(spans, spans[-1])
+    wrong = np.flatnonzero(is_absurd)
+    if not len(wrong) or 2 * len(wrong) > len(omega):
+        return None
+    words = f"ω is up to {np.abs(omega).max():.4g} rad/s {where(case.reading.t, wrong)}"
+    left = parts_of(case, np.flatnonzero(~is_absurd))
+    return Finding((f"{words}: leave {'it' if len(wrong) == 1 else 'them'} out",), left, True)
 
 
 def _of_numbers(case: Case) -> Finding | None:
@@ -166,7 +185,7 @@ def _of_mistakes(case: Case) -> Finding | None:
     )
     if not wrong:
         return None
-    undone = without(wrong, reading, scenario, states_of(case.exact.until(1))[0])
+    undone = without(wrong, reading, scenario, states_of(case.exact))
     left = case.read(undone) if undone else None
     remaining = (replace(left, undone=case.undone + 1),) if left else ()
     return Finding(tuple(wrong), remaining, is_all=True)

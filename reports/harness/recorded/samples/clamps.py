@@ -8,7 +8,7 @@ import numpy as np
 from .....reference.following import follow
 from .....reference.other_equations import equations_of
 from .....scenarios import FloatArray, Scenario, Trajectory
-from .....scenarios.rotation import matrices, norms, turned, turned_back
+from .....scenarios.rotation import matrices, norms, rotation_vectors, turned, turned_back
 from ...explaining.search import LEFT
 from .intervals import states_of
 
@@ -17,6 +17,8 @@ from .intervals import states_of
 CLAMPED, FEWEST, FEW = 1e-2, 3, 12
 #: Relative error of a bound by rounding. How far equations must lead beyond a bound, relatively.
 ROUNDING, BEYOND = 1e-9, 1e-3
+#: Largest median error of attitudes beside a clamp, relative to their turn from sample to sample.
+FOLLOWED = 0.2
 #: Smallest rate, rad/s, and smallest sum of squares, that is used as a divisor.
 TINY = 1e-300
 
@@ -93,6 +95,7 @@ def clamps(
     starts[0] = start
     equations = equations_of(scenario)
     unclamped = follow(equations, starts, spans)[:, 0]
+    turns = norms(rotation_vectors(starts[:, :4], ends[:, :4]))
     every = follow(equations, states[:-1], np.diff(motion.t)[:, None])[:, 0]
     for words, size_of, apply in CLAMPS:
         bound = float(size_of(states).max())
@@ -109,7 +112,10 @@ def clamps(
         clamped = apply(follow(equations, apply(starts, bound), spans)[:, 0], bound)
         is_reached = bool(size_of(states).min() < (1 - CLAMPED) * bound)
         least = of_method / LEFT if is_reached else np.inf
-        if _fits(ends[:, 4:], clamped[:, 4:], unclamped[:, 4:], least):
+        # An ω that was recorded too small is no clamp: attitudes turn faster.
+        off = norms(rotation_vectors(clamped[:, :4], ends[:, :4]))
+        is_followed = np.median(off) <= FOLLOWED * np.median(turns)
+        if is_followed and _fits(ends[:, 4:], clamped[:, 4:], unclamped[:, 4:], least):
             yield Clamp(f"{words} is clamped to {bound:.4g} rad/s", first)
 
 

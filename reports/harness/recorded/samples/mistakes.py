@@ -18,9 +18,9 @@ from .....scenarios import FloatArray, Scenario, Trajectory
 from .....scenarios.fastest_rate import decay_rate
 from .....scenarios.rotation import conjugate, matrices, norms, rotation_vectors
 from ...explaining.changes import EULER_ANGLES, OTHER_COMPONENTS
-from ...explaining.search import LEFT
+from ...explaining.search import LEFT, PROMISING
 from ..files.motion import OmegaFrame, QuaternionOrder, Reading
-from .intervals import states_of
+from .intervals import NEAR, states_of
 from .other_readings import equal_times, other_readings
 
 #: The exact motion turns by these angles, rad, over the two beginnings that are compared. A motion
@@ -94,10 +94,10 @@ def mistakes(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[st
     Sentences on one or two mistakes; often none
     """
     words = _of_beginning(scenario, exact, reading)
-    (first,) = states_of(exact.until(1))
+    states = states_of(exact)
     for k, word in enumerate(words):
         if word in (words_of_columns for words_of_columns, *_ in COLUMNS_OF_OMEGA):
-            undone = without(words[:k], reading, scenario, first)
+            undone = without(words[:k], reading, scenario, states)
             words[k] = _columns_of_omega(undone, word) if undone else word
     return words
 
@@ -111,15 +111,20 @@ def _columns_of_omega(reading: Reading, found: str) -> str:
     ----------
     reading : all samples of the recording, with attitudes that are right
     found : the sentence that suits the beginning. It is returned unless with another order the
-        deviation of ω from the rates of the attitudes is smaller by more than the fraction `LEFT`
+        deviation of ω from the rates of the attitudes is smaller by more than the fraction `LEFT`,
+        and less than `PROMISING`
     """
     omega = np.asarray(reading.omega)
-    errors = {
-        words: _kinematic_error(reading._replace(omega=omega[:, columns] * signs))
+    # Between samples that are far apart the body may turn otherwise than the shortest way.
+    if (norms(omega[:-1]) * np.diff(reading.t)).max() > NEAR:
+        return found
+    readings = {
+        words: reading._replace(omega=omega[:, columns] * signs)
         for words, columns, signs in COLUMNS_OF_OMEGA
     }
-    best = min(errors, key=errors.__getitem__)
-    return best if errors[best] < (1 - LEFT) * errors[found] else found
+    best = min(readings, key=lambda words: _kinematic_error(readings[words]))
+    error, of_found = (_kinematic_error(readings[words]) for words in (best, found))
+    return best if error < min(PROMISING, (1 - LEFT) * of_found) else found
 
 
 def _of_beginning(scenario: Scenario, exact: Trajectory, reading: Reading) -> list[str]:
@@ -147,7 +152,7 @@ def _of_beginning(scenario: Scenario, exact: Trajectory, reading: Reading) -> li
 
     best = beginning.better(corrected([], given), ([], given))
     if not best[0]:
-        rare = other_readings(given, scenario, beginning.start[0])
+        rare = other_readings(given, scenario, states_of(exact))
         best = beginning.better((([word], one) for word, one in rare if len(one.t) >= FEWEST), best)
     if not best[0]:
         # Mistakes of ω cannot be told apart by few samples. Only mistakes of times and attitude are
@@ -167,7 +172,7 @@ def _of_beginning(scenario: Scenario, exact: Trajectory, reading: Reading) -> li
 
 
 def without(
-    words: Sequence[str], reading: Reading, scenario: Scenario, first: FloatArray
+    words: Sequence[str], reading: Reading, scenario: Scenario, exact: FloatArray
 ) -> Reading | None:
     """Return a whole recording corrected for mistakes; None if one of them cannot be corrected.
 
@@ -175,10 +180,10 @@ def without(
     ----------
     words : the sentences on the mistakes, as `mistakes` or `rounded_times` returned them
     reading : the samples of the recording as they were read
-    first : the exact state at the first sample: q, scalar first, and ω, rad/s, body axes, (7,)
+    exact : the exact states at the n samples: q, scalar first, and ω, rad/s, body axes, (n, 7)
     """
     for one in words:
-        every = chain(_corrections(reading, scenario), other_readings(reading, scenario, first))
+        every = chain(_corrections(reading, scenario), other_readings(reading, scenario, exact))
         corrected = next((other for word, other in every if word == one), None)
         if corrected is None:
             return None

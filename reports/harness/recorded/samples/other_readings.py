@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from .....scenarios import FloatArray, Scenario
-from .....scenarios.rotation import matrix, norms
+from .....scenarios.rotation import matrix, norms, rotation_vectors
 from ...explaining.changes import OTHER_COMPONENTS
 from ...explaining.search import LEFT
 from ..files.motion import Reading
@@ -24,8 +24,9 @@ SAMPLES = range(2, 6)
 #: Evenly spaced times that are fitted by least squares are further than half a unit from those that
 #: are rounded to that unit, by this fraction at most.
 FITTED = 0.25
-#: Tolerance of entries of matrices, and of ω, relative to its size.
-ALIKE = 1e-6
+#: Tolerance of entries of matrices, of attitudes, rad, and of ω, relative to its size. Number of
+#: samples in which axes that are turned by any angle must make the motion the exact one.
+ALIKE, CHECKED = 1e-6, 12
 #: All orders and signs of three axes, as matrices; and those of them that are rotations.
 EVERY_AXES = [
     np.array(signs)[:, None] * np.eye(3)[list(order)]
@@ -37,14 +38,14 @@ COLUMNS = np.array(["qw", "qx", "qy", "qz"])
 
 
 def other_readings(
-    reading: Reading, scenario: Scenario, first: FloatArray
+    reading: Reading, scenario: Scenario, exact: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
     """Yield a sentence on each rare mistake, and the recording corrected for it.
 
     Parameters
     ----------
     reading : the samples of the recording as they were read
-    first : the exact state at the first sample: q, scalar first, and ω, rad/s, body axes, (7,)
+    exact : the exact states at the n samples: q, scalar first, and ω, rad/s, body axes, (n, 7)
     """
     yield from equal_times(reading)
     yield from _of_columns(reading)
@@ -54,7 +55,7 @@ def other_readings(
         yield from _of_age(reading, reading.omega)
     yield from _of_components(reading)
     if reading.frame == "body":
-        yield from _of_axes(reading, scenario, first)
+        yield from _of_axes(reading, scenario, exact)
 
 
 def equal_times(reading: Reading) -> Iterator[tuple[str, Reading]]:
@@ -150,7 +151,7 @@ def _of_age(reading: Reading, omega: FloatArray) -> Iterator[tuple[str, Reading]
 
 
 def _of_axes(
-    reading: Reading, scenario: Scenario, first: FloatArray
+    reading: Reading, scenario: Scenario, exact: FloatArray
 ) -> Iterator[tuple[str, Reading]]:
     """Yield a sentence for each choice of axes that corrects the first attitude, and the reading.
 
@@ -161,17 +162,17 @@ def _of_axes(
 
     Parameters
     ----------
-    first : the exact state at the first sample: q, scalar first, and ω, rad/s, body axes, (7,)
+    exact : the exact states at the n samples: q, scalar first, and ω, rad/s, body axes, (n, 7)
     """
-    R, exact = matrix(reading.q[0]), matrix(first[:4])
+    R, first = matrix(reading.q[0]), matrix(exact[0, :4])
     if np.abs(R - np.eye(3)).max() < ALIKE:
         words = "the attitude is relative to that of the first sample, as where it was set to zero"
-        yield f"{words}, along body axes", _turned(reading, exact, np.eye(3))
-        q = _turned(reading, np.eye(3), exact).q
+        yield f"{words}, along body axes", _turned(reading, first, np.eye(3))
+        q = _turned(reading, np.eye(3), first).q
         yield f"{words}, along world axes", reading._replace(q=q)
 
     def fits(world: FloatArray, body: FloatArray) -> bool:
-        return bool(np.abs(world @ R @ body - exact).max() < LEFT)
+        return bool(np.abs(world @ R @ body - first).max() < LEFT)
 
     for world, body in product(AXES, AXES):
         if fits(world, body):
@@ -189,17 +190,37 @@ def _of_axes(
         if fits(np.eye(3), body @ axes.T):
             words = "attitude and ω are those of the tensor's principal axes, not of the body's"
             yield words, _turned(reading, np.eye(3), body @ axes.T)
-    other, omega = _turned(reading, np.eye(3), R.T @ exact), reading.omega
-    turn = ", ".join(f"{angle:.4g}" for angle in Rotation.from_matrix(exact.T @ R).as_rotvec(True))
+    yield from _of_any_axes(reading, exact, R.T @ first)
+
+
+def _of_any_axes(
+    reading: Reading, exact: FloatArray, body: FloatArray
+) -> Iterator[tuple[str, Reading]]:
+    """Yield the sentence that axes are turned in the body, and the reading along the body's own.
+
+    The sentence is on attitude and ω, or on the attitude alone, whichever makes the first states
+    the exact ones. Nothing is yielded if neither does, as with noise, or if both do.
+
+    Parameters
+    ----------
+    exact : the exact states at the n samples: q, scalar first, and ω, rad/s, body axes, (n, 7)
+    body : the rotation that makes the first attitude the exact one, from the right, (3, 3)
+    """
+    checked = slice(min(CHECKED, len(reading.t), len(exact)))
+    both, states = _turned(reading, np.eye(3), body), exact[checked]
+    turn = ", ".join(f"{angle:.4g}" for angle in Rotation.from_matrix(body.T).as_rotvec(True))
     turn = f"of axes that are turned in the body by [{turn}]°"
-    for words, corrected in (
-        (f"attitude and ω are those {turn}", other),
-        (f"the attitude is that {turn}, and ω is not", other._replace(omega=omega)),
-    ):
-        # Only if its ω is exact, too, the first state shows that there is no noise.
-        read = np.zeros(3) if corrected.omega is None else corrected.omega[0]
-        if norms((read - first[4:])[None])[0] < ALIKE * norms(first[None, 4:])[0]:
-            yield words, corrected
+    off = norms(rotation_vectors(both.q[checked], states[:, :4])).max()
+    if reading.omega is None or both.omega is None or off > ALIKE:
+        return
+    least = ALIKE * norms(states[:, 4:]).max()
+    omegas = both.omega, reading.omega
+    fits = [bool(norms(one[checked] - states[:, 4:]).max() <= least) for one in omegas]
+    if fits == [True, False]:
+        yield f"attitude and ω are those {turn}", both
+    if fits == [False, True]:
+        words = f"the attitude is that {turn}, and ω is not"
+        yield words, both._replace(omega=reading.omega)
 
 
 def _turned(reading: Reading, world: FloatArray, body: FloatArray) -> Reading:

@@ -17,9 +17,10 @@ from ...explaining.hypothesis import Change, Hypothesis
 FURTHEST = 1.0
 #: Relative tolerance with which a scale factor is recognised as that from rad to degrees.
 DEGREES = 1e-2
-#: Least rotation of a gyroscope's axes that a fit does not find from zero, rad. Weight of the
-#: rotations that ω does not show, relative to those that it does.
+#: Least rotation of a gyroscope's axes, rad, and least change of its scale factors, that a fit does
+#: not find from zero. Weight of the rotations that ω does not show, relative to those that it does.
 NEAR, UNSHOWN = 1.0, 1e-4
+LEAST_CHANGE = 0.5
 #: Number of nodes of a filter's quadrature. With one less, the error exceeds a noise of 1e-4 of ω.
 NODES = 4
 #: The change in which I ω + h is recorded in place of ω.
@@ -48,8 +49,8 @@ def _cross_axis(parameters: FloatArray) -> FloatArray:
 def _mounting(actual: FloatArray, read: FloatArray) -> FloatArray:
     """Return the rotation vector, rad, (3,), of the gyroscope's axes that explains ω best.
 
-    It is found without iteration (W. Kabsch, Acta Cryst. A32 (1976) 922). What ω does not show of
-    the rotation, as about its own direction if that is constant, is as small as possible. The
+    It is found without iteration (W. Kabsch, Acta Cryst. A32 (1976) 922), from changes of ω alone,
+    as its mean may have a bias. What these do not show of the rotation is as small as possible. The
     vector is 0 if it is shorter than `NEAR`, or if such axes explain less than half of the mean
     square difference.
 
@@ -57,18 +58,51 @@ def _mounting(actual: FloatArray, read: FloatArray) -> FloatArray:
     ----------
     actual, read : the body's ω, and ω as it was recorded, rad/s, (n, 3) each
     """
+    actual, read = actual - actual.mean(axis=0), read - read.mean(axis=0)
     overlap = actual.T @ read
     overlap += UNSHOWN * np.linalg.norm(overlap) * np.eye(3)
     left, _, right = np.linalg.svd(overlap)
     R = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
     turn = np.asarray(Rotation.from_matrix(R).as_rotvec())
-    is_shown = 2 * np.sum((read - actual @ R) ** 2) < np.sum((read - actual) ** 2)
-    return turn if is_shown and norms(turn[None])[0] > NEAR else np.zeros(3)
+    is_far = norms(turn[None])[0] > NEAR
+    return turn if is_far and _explains_half(actual, read, actual @ R) else np.zeros(3)
+
+
+def _scale_factors(actual: FloatArray, read: FloatArray) -> FloatArray:
+    """Return the scale factors of the gyroscope's axes less 1, (3,), that explain ω best.
+
+    They are those of a linear regression, or 0 if none of them is as large as `LEAST_CHANGE`, or if
+    they explain less than half of the mean square difference.
+
+    Parameters
+    ----------
+    actual, read : the body's ω, and ω as it was recorded, rad/s, (n, 3) each
+    """
+    squares = np.sum(actual**2, axis=0)
+    ratios = np.divide(np.sum(actual * read, axis=0), squares, np.ones(3), where=squares > 0)
+    is_far = np.abs(ratios - 1).max() >= LEAST_CHANGE
+    return ratios - 1 if is_far and _explains_half(actual, read, ratios * actual) else np.zeros(3)
+
+
+def _explains_half(actual: FloatArray, read: FloatArray, made: FloatArray) -> bool:
+    """Return whether an ω explains half of the mean square difference of two others, or more.
+
+    Parameters
+    ----------
+    actual, read, made : the body's ω, ω as it was recorded, and the ω that should explain it,
+        rad/s, (n, 3) each
+    """
+    return bool(2 * np.sum((read - made) ** 2) < np.sum((read - actual) ** 2))
 
 
 SENSORS = (
     Change("bias", lambda h, n: h.of(bias=n), np.ones(3)),
-    Change("scale", lambda h, n: h.of(read=h.read * (1 + n[:, None])), np.ones(3)),
+    Change(
+        "scale",
+        lambda h, n: h.of(read=h.read * (1 + n[:, None])),
+        np.ones(3),
+        guess=_scale_factors,
+    ),
     Change(
         "axes",
         lambda h, n: h.of(read=h.read @ Rotation.from_rotvec(-n).as_matrix()),

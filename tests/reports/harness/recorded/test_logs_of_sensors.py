@@ -187,6 +187,49 @@ def test_the_order_of_columns_is_that_of_the_whole_log(noise: tuple[float, float
     assert tilt.startswith("the gyroscope's axes are turned against the body's by [")
 
 
+def test_the_order_of_columns_is_that_of_the_beginning_where_it_changes() -> None:
+    arrays = log("book-with-drag", 0.0, 0.0)
+    first, later = arrays["omega"][:150], arrays["omega"][150:]
+    both = np.vstack([first[:, [1, 0, 2]], later[:, [2, 0, 1]]])
+    (columns, *_) = named(judged("book-with-drag", arrays | {"omega": both}))
+    assert columns == "ω is [wy, wx, wz] of its columns"
+
+
+def test_a_short_log_from_another_start_has_no_axes_of_another_frame() -> None:
+    slow = loads(BOX, "slow")
+    motion = solve(slow, np.arange(50) * 5e-4).trajectory
+    q = Rotation.from_rotvec([0.0, 0.035, 0.0]) * motion.R_world_body
+    arrays = {"t": motion.t, "q": q.as_quat(scalar_first=True), "omega": motion.omega_body}
+    (said,) = named(judged_motion(slow, Recording(Path("log.csv"), arrays), 1))
+    assert said.startswith("it started elsewhere: at t = 0 s the attitude is off by 2.01°")
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (0.6, "the gyroscope's axes read [0.6, 0.6, 0.6] times ω"),
+        (0.005, "ω is 0.005 times as large as the attitudes turn: look at its unit"),
+    ],
+)
+def test_an_omega_that_is_too_small_is_no_clamp(name: str, factor: float, words: str) -> None:
+    arrays = log(name, 0.0, 0.0)
+    (said,) = named(judged(name, arrays | {"omega": factor * arrays["omega"]}))
+    assert said.startswith(words)
+
+
+@pytest.mark.parametrize("absurd", [1e15, -1e60, 1e100])
+def test_a_sample_that_no_gyroscope_reads_is_left_out(absurd: float) -> None:
+    """As where a packet is lost: no motion is followed at that rate, which would not end."""
+    arrays = log("t-handle", 0.0, 0.0)
+    arrays["omega"] = np.array(arrays["omega"])
+    arrays["omega"][57, 1] = absurd
+    found = judged("t-handle", arrays)
+    words = f"ω is up to {abs(absurd):.4g} rad/s at 1 sample, at t = {arrays['t'][57]:.6g} s"
+    assert named(found) == [f"{words}: leave it out"]
+    assert found.is_another
+
+
 @pytest.mark.parametrize("name", ["quadrotor-body", "fast-top"])
 def test_axes_of_another_frame_are_named_where_there_is_no_noise(name: str) -> None:
     arrays, turn = log(name, 0.0, 0.0), np.array([72.0, -90.0, 96.0])

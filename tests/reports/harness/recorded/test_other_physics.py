@@ -30,12 +30,11 @@ def clamped(limit: Callable[[np.ndarray], np.ndarray]) -> Trajectory:
     return replace(motion, omega_body=limit(motion.omega_body))
 
 
-#: Of a sphere that is faster at every sample; other physics: `reported_faults`, `invented_faults`.
+#: Of a sphere that is faster at some samples; other physics: `reported_faults`, `invented_faults`.
 CLAMPED: dict[str, Callable[[np.ndarray], np.ndarray]] = {
     "each component of ω in body axes is clamped to 350 rad/s": (
         lambda omega: np.clip(omega, -350.0, 350.0)
     ),
-    "‖ω‖ is clamped to 100 rad/s": lambda omega: omega / 5,
 }
 
 
