@@ -255,7 +255,8 @@ def report(
     """Make HTML and Markdown pages of a result file.
 
     A button on each figure saves it as SVG. Exit code 1: a verdict in the file
-    disagrees or failed; the pages are written all the same.
+    disagrees or failed, of a method that is not as shipped; the pages are
+    written all the same.
     """
     from ..pages.render import render
     from .run import running

@@ -51,8 +51,8 @@ class Curve(OfMethod):
     ----------
     signal : name of the signal
     points : every run that ended `ok`, coarse to fine
-    stable : the runs of the ladder that ended `ok` and for which all finer runs did, too, coarse to
-        fine
+    stable : the runs of the ladder, or at stock timesteps if there are no others, that ended `ok`
+        and for which all finer runs did, too, coarse to fine
     seconds_per_step : CPU time of a step, s; None if it was not timed
     uncertainty : uncertainty of the reference in this signal
     rounding : error that a change of the start by one ulp of the engine's precision may cause
@@ -154,6 +154,7 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
     finished = [row for row in runs.rows if row.errors]
     unfinished = [row.timestep for row in runs.rows if row.made and row.outcome != "ok"]
     points = tuple(_point(scene, row, signal) for row in finished)
+    has_others = any(not row.stock for row in finished)
     ulp = SINGLE / EPS if runs.single_precision else 1.0
     return Curve(
         engine=runs.engine,
@@ -164,7 +165,7 @@ def curve_of(scene: SceneRuns, runs: MethodRuns, signal: str) -> Curve:
             point
             for point, row in zip(points, finished, strict=True)
             # A stock timestep may be so close to one of the ladder that the two give no slope.
-            if point.timestep < min(unfinished, default=math.inf) and not row.stock
+            if point.timestep < min(unfinished, default=math.inf) and not (row.stock and has_others)
         ),
         seconds_per_step=finished[-1].seconds_per_step if finished else None,
         uncertainty=max(solution.uncertainty[signal], EPS),

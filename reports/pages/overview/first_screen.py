@@ -118,7 +118,8 @@ def _lead(shipped: Sequence[Usual], instead: Sequence[Usual]) -> str:
         return ", ".join(f"{one.label} {_median(one)}" for one in these)
 
     sentences = [
-        f"With defaults and stock timesteps the attitude is off by up to: {sizes(shipped)}"
+        "With defaults and stock timesteps the largest error of the attitude is, in the median: "
+        + sizes(shipped)
     ]
     if instead:
         sentences.append(f"Use another method, at the same timestep: {sizes(instead)}")

@@ -319,7 +319,7 @@
     const given = new Set(cells.map((cell) => cell.verdict));
     const parts = Object.entries(data.verdicts)
       .filter(([word, { phrase }]) => phrase && given.has(word))
-      .map(([word, { sign, phrase }]) => `${sign} before a number: at finer timesteps the method ${phrase}`);
+      .map(([word, { sign }]) => `${sign} before a number: the verdict is '${word}'`);
     if (runs.some((run) => run?.outcome === "diverged")) parts.push("↗ 2.8 s: this run blew up at 2.8 s");
     const lost = runs.find((run) => run?.outcome && !["diverged", "unsupported"].includes(run.outcome));
     if (lost) parts.push(`! ${lost.outcome}: this run gave no motion to compare`);
