@@ -175,10 +175,12 @@ class Difference:
     @property
     def remark(self) -> str:
         """The message of a run that goes on in spite of the difference, with rounded values."""
-        digits = max(3, 2 - math.floor(math.log10(min(self.relative, 1.0))))
+        # A difference that is not a number, as where an engine reads back one, shows in any digit.
+        relative = 1.0 if math.isnan(self.relative) else min(self.relative, 1.0)
+        digits = max(3, 2 - math.floor(math.log10(relative)))
         wanted, got = _rounded(self.wanted, digits), _rounded(self.got, digits)
-        off = f"{100 * self.relative:.2g}%"
-        return f"'{self.what}' reads back as {got}, not {wanted}: off by {off}"
+        off = f"off by {100 * self.relative:.2g}%"
+        return f"'{self.what}' reads back as {got}, not {wanted}: {off}"
 
 
 def differences(

@@ -247,9 +247,8 @@ class Trial:
 
         Without a fit, all are the first parameters of the changes (`Data.first`).
         """
-        fitted = before.changes if before else ()
         each = [
-            before.parameters_of(one) if before and one in fitted else self.data.first(one)
+            before.parameters_of(one) if before and one in before.changes else self.data.first(one)
             for one in self.changes
         ]
         return np.concatenate([np.empty(0), *each]) / self.scales

@@ -120,7 +120,9 @@ def _of_absurd_samples(case: Case) -> Finding | None:
         return None
     words = f"ω is up to {np.abs(omega).max():.4g} rad/s {where(case.reading.t, wrong)}"
     left = parts_of(case, np.flatnonzero(~is_absurd))
-    return Finding((f"{words}: leave {'it' if len(wrong) == 1 else 'them'} out",), left, True)
+    return Finding(
+        (f"{words}: leave {'it' if len(wrong) == 1 else 'them'} out",), left, is_beyond=True
+    )
 
 
 def _of_numbers(case: Case) -> Finding | None:

@@ -116,7 +116,7 @@ def heat_map(gathered: ReportData) -> dict[str, Any]:
         kind.word: {
             "sign": kind.sign,
             "rank": RANKS[kind.word],
-            "phrase": kind.phrases[0] if kind.needs_reason else "",
+            "needs_reason": kind.needs_reason,
         }
         for kind in LISTED
     }

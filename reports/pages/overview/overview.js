@@ -318,7 +318,7 @@
     const runs = cells.map((cell) => cell.runs[state.at]);
     const given = new Set(cells.map((cell) => cell.verdict));
     const parts = Object.entries(data.verdicts)
-      .filter(([word, { phrase }]) => phrase && given.has(word))
+      .filter(([word, { needs_reason }]) => needs_reason && given.has(word))
       .map(([word, { sign }]) => `${sign} before a number: the verdict is '${word}'`);
     if (runs.some((run) => run?.outcome === "diverged")) parts.push("↗ 2.8 s: this run blew up at 2.8 s");
     const lost = runs.find((run) => run?.outcome && !["diverged", "unsupported"].includes(run.outcome));

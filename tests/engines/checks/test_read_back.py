@@ -87,7 +87,7 @@ def test_omega_along_the_other_axes_is_told_so(misread, is_turned):
     assert ("along the other axes" in off.complaint) == is_turned
 
 
-@pytest.mark.parametrize("relative", [0.03, 3e-5, 3e-9])
+@pytest.mark.parametrize("relative", [0.03, 3e-5, 3e-9, np.inf, np.nan])
 def test_a_remark_shows_in_which_digit_a_quantity_differs(relative: float) -> None:
     wanted = np.array([0.2])
     differing = Difference("mass", wanted, wanted * (1 + relative), relative)

@@ -19,8 +19,7 @@ FURTHEST = 1.0
 DEGREES = 1e-2
 #: Least rotation of a gyroscope's axes, rad, and least change of its scale factors, that a fit does
 #: not find from zero. Weight of the rotations that ω does not show, relative to those that it does.
-NEAR, UNSHOWN = 1.0, 1e-4
-LEAST_CHANGE = 0.5
+NEAR, LEAST_CHANGE, UNSHOWN = 1.0, 0.5, 1e-4
 #: Number of nodes of a filter's quadrature. With one less, the error exceeds a noise of 1e-4 of ω.
 NODES = 4
 #: The change in which I ω + h is recorded in place of ω.

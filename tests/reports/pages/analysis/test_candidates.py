@@ -119,6 +119,12 @@ def test_in_single_precision_nothing_is_extrapolated_to_where_rounding_decides()
     assert chosen(single, "Euler", omega=BETWEEN).timestep is not None
 
 
+def test_runs_at_stock_timesteps_alone_have_a_cost() -> None:
+    stored = with_law(straight)
+    stored = replace(stored, rows=[replace(row, stock=True) for row in stored.rows])
+    assert chosen(stored, "Euler", omega=BETWEEN).timestep is not None
+
+
 @pytest.mark.parametrize("grows", [True, False])
 def test_a_run_ends_with_the_timestep_below_which_errors_grow(grows: bool) -> None:
     rounding = 16 * straight(TIMESTEPS[-1]) * TIMESTEPS[-1] * grows
